@@ -29,7 +29,7 @@ const TRANSECT: [(&str, &str); 19] = [
     ("simulate", "Write a scan of a simulated scene, with its truth"),
     ("evaluate", "Score a model against a reference mesh or a simulated scan's truth"),
     ("explain", "Draw each step of the methods on one view and one plane"),
-    ("grow", "Draw how a plane of a scan grows view by view, by --fusion pairwise"),
+    ("explain-growth", "Draw how a plane of a scan grows view by view, by --fusion pairwise"),
     ("inspect", "List the views, sizes, noise and extent of a scan, or the contents of a model"),
     ("register", "Refine the poses of a scan, or of the views in a model store"),
     ("list-views", "List the views of a model store"),

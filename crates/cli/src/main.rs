@@ -14,8 +14,8 @@ mod threads;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    align, compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest,
-    measure, query, reconstruct, register, remove_view, replace_view, simulate, verify,
+    align, compact, evaluate, explain, explain_growth, export, gaps, import, inspect, list_views,
+    manifest, measure, query, reconstruct, register, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -45,7 +45,7 @@ enum Command {
     /// Draw each step of the methods on one view and one plane.
     Explain(explain::Arguments),
     /// Draw how a plane of a scan grows view by view, by --fusion pairwise.
-    Grow(grow::Arguments),
+    ExplainGrowth(explain_growth::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),
     /// Refine the poses of a scan, or of the views in a model store.
@@ -88,7 +88,7 @@ impl Command {
             Self::Simulate(a) => simulate::run(&a),
             Self::Evaluate(a) => evaluate::run(&a),
             Self::Explain(a) => explain::run(&a),
-            Self::Grow(a) => grow::run(&a),
+            Self::ExplainGrowth(a) => explain_growth::run(&a),
             Self::Inspect(a) => inspect::run(&a),
             Self::Register(a) => register::run(&a),
             Self::ListViews(a) => list_views::run(&a),

@@ -33,6 +33,9 @@ pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
 pub use separable::{RayProduct, RayProducts, SeparableForm};
 pub use view::{View, ViewError};
 
+// `transect-geometry` has the same aliases, because neither crate depends on the other. They name
+// the same types of nalgebra, so a file takes them from the crate whose other types it uses.
+
 /// A point in a sensor frame or in the world, in the model's length unit.
 pub type Point3 = nalgebra::Point3<f64>;
 /// The point of a missing sample in a list of points: NaN.

@@ -7,7 +7,7 @@
 //! It does not know sensors, files or fusion. All lengths are in the model's one length unit; all
 //! coordinates are `f64`.
 //!
-//! * [`LengthUnit`]: the unit of all lengths;
+//! * [`LengthUnit`]: the unit of all lengths; [`Length`]: a length with its own unit;
 //! * [`Guide`], [`StraightGuide`], [`CurvedGuide`], [`PlaneFamily`], [`PlaneIndex`],
 //!   [`PlaneFrame`]: the planes;
 //! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: the curves on them;
@@ -35,7 +35,7 @@ pub use guide::{
     CurvedGuide, Guide, GuideError, GuideKind, MAX_GUIDE_POINTS, NoStation, PlaneFamily,
     PlaneIndex, StraightGuide,
 };
-pub use length_unit::{LengthError, LengthUnit};
+pub use length_unit::{Length, LengthError, LengthUnit};
 pub use plane_frame::PlaneFrame;
 pub use space::{Isometry3, Point2, Point3, Vector2, Vector3};
 pub use splines::{CubicSpline, CurveSplines, SplineError, fit_splines};

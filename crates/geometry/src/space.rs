@@ -1,4 +1,7 @@
 //! Points, directions and motions, in `f64` and the model's length unit.
+//!
+//! `transect-device` has the same aliases, because neither crate depends on the other. They name
+//! the same types of nalgebra, so a file takes them from the crate whose other types it uses.
 
 /// A point in space, in the model's length unit.
 pub type Point3 = nalgebra::Point3<f64>;

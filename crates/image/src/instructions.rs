@@ -16,7 +16,7 @@ pub enum Instructions {
 
 impl Instructions {
     /// The level of `fearless_simd` that stands for them.
-    pub fn level(self) -> Level {
+    pub(crate) fn level(self) -> Level {
         match self {
             Self::Best => Level::new(),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

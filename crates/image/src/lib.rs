@@ -24,5 +24,5 @@ pub use breaks::BreakRule;
 pub use instructions::Instructions;
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use noisy_view::NoisyView;
-pub use pair_rule::{PairTest, PairTests, TestPairs, UniformTest, padded};
+pub use pair_rule::{PairTest, PairTests, padded};
 pub use prepared::PreparedView;

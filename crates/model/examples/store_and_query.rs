@@ -7,7 +7,7 @@ use transect_geometry::{
     Vector3,
 };
 use transect_model::Location;
-use transect_model::store::{SpaceQuery, Store, StoreHeader, ViewEntry, ViewId};
+use transect_model::store::{SpaceQuery, Store, StoreHeader, ViewDescription, ViewId};
 
 /// The fused curves of a plane are a function of the views' own curves. Here: all of them.
 fn fuse(_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let corners = [(x, 0.0), (x + 2.0, 0.0), (x + 2.0, 2.0), (x, 2.0)];
         let nodes = corners.map(|(x, y)| Node::at(Point2::new(x, y)));
         let block = Curve::new(nodes.to_vec(), true)?;
-        let mut view = store.begin_view(ViewEntry {
+        let mut view = store.begin_view(ViewDescription {
             id: id.into(),
             name: id.to_owned(),
             sensor: "none".to_owned(),

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use transect_geometry::{
     Curve, Isometry3, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3,
 };
-use transect_model::store::{Store, StoreHeader, ViewEntry, ViewId};
+use transect_model::store::{Store, StoreHeader, ViewDescription, ViewId};
 
 /// Path of the store that this process is to add views to, if it is the one that will be killed.
 const CHILD: &str = "TRANSECT_KILL_TEST_STORE";
@@ -32,9 +32,9 @@ fn header() -> StoreHeader {
     StoreHeader { unit: LengthUnit::Metre, planes, options: String::new(), tool: "kill".to_owned() }
 }
 
-fn entry(view: usize) -> ViewEntry {
+fn entry(view: usize) -> ViewDescription {
     let id = format!("view-{view:03}");
-    ViewEntry {
+    ViewDescription {
         name: id.clone(),
         source: format!("{id}.npy"),
         id: ViewId(id),

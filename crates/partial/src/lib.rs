@@ -15,6 +15,7 @@ mod axes;
 mod continuation;
 pub mod dissertation;
 mod error;
+mod instructions;
 mod method;
 mod model;
 mod near_planes;

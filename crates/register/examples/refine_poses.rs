@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let copies = [CoarseView::new(&first), CoarseView::new(&wrong)];
     println!("{} findings at the given poses", judge(&copies).findings.len());
-    let refinement = refine(&copies, &RefineOptions::default());
+    let refinement = refine(&copies, &RefineOptions::default())?;
     for pose in &refinement.poses {
         let millimetres = 1000.0 * pose.translation;
         println!("{}: {:?}, moved by {millimetres:.1} mm", pose.view, pose.outcome);

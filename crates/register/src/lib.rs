@@ -7,19 +7,21 @@
 //! * [`FreeSpace`]: how far a view looked through in each direction.
 //! * [`judge`]: which views, groups of views or regions of a view contradict the others.
 //! * [`refine`]: the poses of all views, refined together.
-//! * [`explain`]: another convention by which the same poses or images may have been written.
+//! * [`find_reading`]: another convention by which the same poses or images may have been written.
 
 mod coarse;
 mod free_space;
 mod judge;
+mod prior;
 mod readings;
 mod refine;
 mod tuning;
 
-pub use coarse::{CoarseView, Patch, PatchMeeting, PosePrior, Sighting, StoredCopy};
+pub use coarse::{CoarseView, Patch, PatchMeeting, Sighting, StoredCopy};
 pub use free_space::FreeSpace;
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
-pub use readings::{Accord, Explanation, PoseReading, Reading, StatedPoses, explain};
+pub use prior::{PosePrior, PriorError};
+pub use readings::{Accord, FoundReading, PoseReading, Reading, StatedPoses, find_reading};
 pub use refine::{PoseOutcome, PoseRefinement, RefineOptions, RefinedPose, refine};

@@ -4,6 +4,7 @@ use crate::evaluate::digits;
 use crate::{OptionError, SourceError};
 use transect_geometry::{GuideError, LengthUnit};
 use transect_partial::PartialError;
+use transect_register::PriorError;
 
 /// Why a run ends without a model.
 #[derive(Debug, thiserror::Error)]
@@ -76,6 +77,9 @@ pub enum ReconstructError {
     /// An option of a method has a value that it cannot have.
     #[error(transparent)]
     Option(#[from] OptionError),
+    /// How far poses may be wrong has a value that it cannot have.
+    #[error(transparent)]
+    Prior(#[from] PriorError),
     /// The smallest interval of the refined planes is not a positive length.
     #[error("the section planes cannot be refined")]
     Refine(#[source] GuideError),

@@ -21,7 +21,8 @@ pub trait ViewSource: Sync {
         self.name().to_owned()
     }
 
-    /// How far the view's pose may be wrong, if that is known of this view.
+    /// How far the view's pose may be wrong, if that is known of this view. A number that is
+    /// negative or not finite ends a run that refines poses.
     fn pose_prior(&self) -> Option<PosePrior> {
         None
     }

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // 2. Choose settings. Settings that are not given come from the scan.
     let mut settings = Settings::default();
-    settings.planes.interval = Some("20cm".to_owned());
+    settings.planes.interval = Some("20cm".parse()?);
 
     // 3. Make the model, and write every result. The scan has its truth beside it, so the table
     //    ends with a score.

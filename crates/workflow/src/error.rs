@@ -9,7 +9,7 @@ use transect_exchange::{ReadError, WriteError};
 use transect_geometry::GuideError;
 use transect_model::FileError;
 use transect_model::store::StoreError;
-use transect_scene::{MeshError, SceneError, StripeError};
+use transect_scene::{CastError, MeshError, SceneError, StripeError};
 use transect_sensors::SensorError;
 
 /// Why a workflow failed.
@@ -52,6 +52,17 @@ pub enum WorkflowError {
         /// The finding, the expectation, and the remedy.
         problem: String,
     },
+    /// A file cannot be used, for the reason that another crate states.
+    #[error("{}: {problem}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// What cannot be done with it.
+        problem: &'static str,
+        /// The reason.
+        #[source]
+        source: Box<dyn Error + Send + Sync>,
+    },
     /// Valid input that is most likely wrong.
     #[error("{problem} If the input is right, pass the setting `accept` {check}")]
     Implausible {
@@ -70,6 +81,15 @@ pub enum WorkflowError {
         views: usize,
         /// Nodes of all views before fusion.
         nodes: usize,
+    },
+    /// A simulated sensor sees its scene, and the image makes no view.
+    #[error("view {view}")]
+    SimulatedView {
+        /// The name of the view.
+        view: String,
+        /// The reason.
+        #[source]
+        source: CastError,
     },
     /// A simulation that cannot be made.
     #[error("{0}")]
@@ -149,6 +169,14 @@ impl WorkflowError {
     /// A file that does not serve the purpose.
     pub(crate) fn file(path: &Path, problem: impl std::fmt::Display) -> Self {
         Self::File { path: path.to_owned(), problem: problem.to_string() }
+    }
+
+    /// For `map_err` of a call that refuses the content of a file.
+    pub(crate) fn unusable<E: Error + Send + Sync + 'static>(
+        path: &Path,
+        problem: &'static str,
+    ) -> impl Fn(E) -> Self {
+        move |source| Self::Unusable { path: path.to_owned(), problem, source: source.into() }
     }
 
     /// For `map_err` of a call that does something with a file or a folder.

@@ -1,10 +1,11 @@
 //! The settings of the dissertation's own methods: chapter 3 for one view, 5.4 for two curves.
 
 use crate::WorkflowError;
-use crate::length::parse_length;
+use std::str::FromStr;
 use transect::Setup;
 use transect_fusion::FusionMethod;
 use transect_fusion::pattern::OverlapTolerance;
+use transect_geometry::{Length, LengthUnit};
 use transect_partial::Method;
 use transect_partial::dissertation::{DirectionRule, DissertationOptions, JumpTest, MOST_PIXELS};
 use transect_partial::subpixel::Subpixel;
@@ -21,12 +22,35 @@ pub struct MethodSettings {
     pub gap: Option<usize>,
     /// Thickness in pixels up to which a curve is thinned (3.5.2).
     pub thickness: Option<usize>,
-    /// `incidence`, or the length of the printed test |r_obj − r_pln| < length (3.4.2).
-    pub jump: Option<String>,
+    /// How range jumps are found (3.4.2).
+    pub jump: Option<JumpSetting>,
     /// How the direction of a curve is found (3.7).
     pub direction: Option<DirectionRule>,
     /// Distance within which two curves overlap (5.5.1); without it, measured.
-    pub threshold: Option<String>,
+    pub threshold: Option<Length>,
+}
+
+/// How range jumps are found. As text: `incidence`, or a length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JumpSetting {
+    /// By the angle of incidence.
+    Incidence,
+    /// By the printed test |r_obj − r_pln| < length.
+    Printed(Length),
+}
+
+impl FromStr for JumpSetting {
+    type Err = WorkflowError;
+
+    fn from_str(text: &str) -> Result<Self, WorkflowError> {
+        match text {
+            "incidence" => Ok(Self::Incidence),
+            text => {
+                let length = text.parse().map_err(|e| WorkflowError::setting("jump", e))?;
+                Ok(Self::Printed(length))
+            }
+        }
+    }
 }
 
 impl MethodSettings {
@@ -40,13 +64,13 @@ impl MethodSettings {
             let Method::Dissertation(options) = &mut setup.partial else {
                 return Err(misplaced(setting, "the setting `method` dissertation", "one_pass"));
             };
-            self.apply_to_views(options, |text| parse_length(unit, "jump", text))?;
+            self.apply_to_views(options, unit)?;
         }
-        let Some(text) = &self.threshold else { return Ok(()) };
+        let Some(threshold) = self.threshold else { return Ok(()) };
         let FusionMethod::Pairwise(options) = &mut setup.fusion else {
             return Err(misplaced("threshold", "the setting `fusion` pairwise", "consensus"));
         };
-        options.tolerance = Some(tolerance(parse_length(unit, "threshold", text)?)?);
+        options.tolerance = Some(tolerance(threshold.in_unit(unit))?);
         Ok(())
     }
 
@@ -65,16 +89,18 @@ impl MethodSettings {
     fn apply_to_views(
         &self,
         options: &mut DissertationOptions,
-        length: impl Fn(&str) -> Result<f64, WorkflowError>,
+        unit: LengthUnit,
     ) -> Result<(), WorkflowError> {
         options.subpixel = self.subpixel.unwrap_or(options.subpixel);
         options.gap = pixels("gap", self.gap, options.gap)?;
         options.thickness = pixels("thickness", self.thickness, options.thickness)?;
         options.direction = self.direction.unwrap_or(options.direction);
-        options.jump = match self.jump.as_deref() {
+        options.jump = match self.jump {
             None => options.jump,
-            Some("incidence") => JumpTest::default(),
-            Some(text) => JumpTest::Printed { threshold: printed_threshold(length(text)?)? },
+            Some(JumpSetting::Incidence) => JumpTest::default(),
+            Some(JumpSetting::Printed(length)) => {
+                JumpTest::Printed { threshold: printed_threshold(length.in_unit(unit))? }
+            }
         };
         Ok(())
     }

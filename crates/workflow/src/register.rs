@@ -3,8 +3,7 @@
 use crate::outputs::{Staging, claim_output, claim_registered};
 use crate::report_file::readable;
 use crate::results::MODEL;
-use crate::settings::refine_options;
-use crate::{Check, OpenScan, Plausibility, WorkflowError};
+use crate::{Check, OpenScan, Plausibility, PriorSettings, WorkflowError};
 use serde::Serialize;
 use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
@@ -45,16 +44,16 @@ impl OpenScan {
     /// Refines the poses of all views; see [`Settings::prior`](crate::Settings::prior).
     ///
     /// # Errors
-    /// [`WorkflowError`] if the prior is none, a view cannot be loaded or is implausible, or the
+    /// [`WorkflowError`] if a view cannot be loaded or is implausible, or the
     /// poses were read by another convention than they were written.
     pub fn register(
         &self,
-        prior: Option<&str>,
+        prior: Option<PriorSettings>,
         accept: &[Check],
         watch: &dyn Watch,
     ) -> Result<Registration<'_>, WorkflowError> {
         let unit = self.scan().unit;
-        let options = refine_options(unit, prior)?;
+        let options = PriorSettings::options(prior, unit);
         let views = self.views("", Plausibility::without_planes(unit, accept))?;
         let poses = PoseReport::new(&views, Some(&options), unit, watch)?;
         if let Some(problem) = poses.misread() {

@@ -1,7 +1,6 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
 use crate::faces::{InFaces, in_faces};
-use crate::length::parse_length;
 use crate::outputs::remove_leftovers;
 use crate::plausible::Looked;
 use crate::score::{Reference, ScoreLimits, score};
@@ -72,7 +71,7 @@ impl OpenScan {
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
         let setup = settings.setup(self.scan())?;
-        let splines = self.splines(settings)?;
+        let splines = self.splines(settings);
         let faces = |view: &View| InFaces::of(view, &setup.planes);
         let (views, faces) = self.looked_at("", settings.plausibility(&setup), faces)?;
         let mut reconstruction = reconstruct(&views, &setup, watch)?;
@@ -97,7 +96,7 @@ impl OpenScan {
         self.is_read_alike()?;
         remove_leftovers(store);
         let (setup, note) = self.setup_for_store(store, settings)?;
-        let splines = self.splines(settings)?;
+        let splines = self.splines(settings);
         let faces = |view: &View| InFaces::of(view, &setup.planes);
         let (views, faces) = self.looked_at(prefix, settings.plausibility(&setup), faces)?;
         let Grown { mut reconstruction, views_present, planes_fused } =
@@ -189,9 +188,8 @@ impl OpenScan {
         Ok((self.scan().views.iter().enumerate().map(view).collect(), found))
     }
 
-    fn splines(&self, settings: &Settings) -> Result<Option<f64>, WorkflowError> {
-        let tolerance = settings.splines.as_ref();
-        tolerance.map(|text| parse_length(self.scan().unit, "splines", text)).transpose()
+    fn splines(&self, settings: &Settings) -> Option<f64> {
+        settings.splines.map(|tolerance| tolerance.in_unit(self.scan().unit))
     }
 
     fn run(

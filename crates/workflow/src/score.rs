@@ -1,7 +1,6 @@
 //! Scoring a model against a mesh, or against the truth that a simulation left.
 
 use crate::WorkflowError;
-use crate::length::parse_length;
 use crate::table::Row;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -11,7 +10,7 @@ use transect::evaluate::{
 };
 use transect_device::View;
 use transect_exchange::{Scan, TRUTH_FILE, TriangleMesh, read_mesh, read_truth};
-use transect_geometry::{Curve, PlaneIndex, Point2};
+use transect_geometry::{Curve, Length, PlaneIndex, Point2};
 use transect_model::Model;
 use transect_scene::{
     MergeError, Mesh, MeshError, SceneError, Visibility, merge_overlaps, sections,
@@ -34,11 +33,11 @@ const FAR_BETTER: f64 = 3.0;
 /// The part of a model that is scored, and the distance that counts as right.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScoreLimits {
-    /// Only planes from this station on, as a length in text.
-    pub from: Option<String>,
-    /// Distance within which a curve counts as right, as a length in text. Without it, a fifth of
-    /// the plane interval; where planes were inserted, of the widest interval that is left.
-    pub tolerance: Option<String>,
+    /// Only planes from this station on.
+    pub from: Option<Length>,
+    /// Distance within which a curve counts as right. Without it, a fifth of the plane interval;
+    /// where planes were inserted, of the widest interval that is left.
+    pub tolerance: Option<Length>,
 }
 
 /// The shape that a model is compared with.
@@ -96,10 +95,12 @@ pub fn score(
             let extents = extent(model).zip(Extent::of(mesh.vertices.iter().copied()));
             let margin = limits.options(model)?.tolerance;
             let checked = extents.map_or(Ok(()), |(ours, theirs)| ours.check(&theirs, margin));
-            checked.map_err(|e| WorkflowError::file(path, e))?;
-            let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
+            let unfit = WorkflowError::unusable(path, "the mesh does not fit the model");
+            checked.map_err(&unfit)?;
+            let uncut = WorkflowError::unusable(path, "the mesh cannot be cut");
+            let truth = cut(&mesh, model).map_err(uncut)?;
             if let (true, Some((ours, theirs))) = (truth.is_empty(), extents) {
-                return Err(WorkflowError::file(path, ours.uncut(&theirs)));
+                return Err(unfit(ours.uncut(&theirs)));
             }
             let options = limits.options(model)?;
             let accuracy = evaluate(model.planes(), &curves(model), &truth, &options)?;
@@ -172,15 +173,15 @@ pub fn simulated_accuracy(
 impl ScoreLimits {
     fn options(&self, model: &Model) -> Result<EvaluateOptions, WorkflowError> {
         let unit = model.unit();
-        let tolerance = match &self.tolerance {
-            Some(text) => parse_length(unit, "tolerance", text)?,
+        let tolerance = match self.tolerance {
+            Some(tolerance) => tolerance.in_unit(unit),
             None => TOLERANCE_SHARE * widest_interval(model),
         };
         if tolerance <= 0.0 {
             let problem = format!("the tolerance must be a positive length, got {tolerance}");
             return Err(WorkflowError::setting("tolerance", problem));
         }
-        let from = self.from.as_ref().map(|t| parse_length(unit, "from", t)).transpose()?;
+        let from = self.from.map(|from| from.in_unit(unit));
         let last =
             model.sections().map(|(k, _)| model.planes().station(k)).fold(f64::MIN, f64::max);
         if let Some(from) = from.filter(|from| *from > last) {

@@ -1,31 +1,89 @@
 //! The part of a scan that is used: some of its views, and their points within some limits.
 
 use crate::WorkflowError;
-use crate::length::parse_length;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use std::fmt;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 use transect_device::{RangeImage, View, ViewError};
 use transect_exchange::{Scan, ScanView};
-use transect_geometry::LengthUnit;
+use transect_geometry::{Length, LengthUnit};
 
 /// The part of a scan that is used, as a user gives it. Without anything it is the whole scan.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Selection {
-    /// Views by name, by number from 0 or by range of numbers, with commas between them: `3-7,12`.
-    /// A name goes before a number, and a name with commas before its parts.
+    /// These views; without it all views.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub views: Option<String>,
+    pub views: Option<ViewList>,
     /// Of these views, the first one and every so many further on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub every: Option<usize>,
-    /// A box in the world, x0,x1,y0,y1,z0,z1, as lengths. An empty one leaves its side open. Points
-    /// outside are left out.
+    /// Points outside this box are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub crop: Option<String>,
+    pub crop: Option<CropBox>,
     /// Points farther than this length from the start of their ray are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_range: Option<String>,
+    pub max_range: Option<Length>,
+}
+
+/// A list of views: by name, by number from 0 or by range of numbers, with commas between them,
+/// such as `3-7,12`.
+///
+/// It is a text, because only a scan tells names with commas from several names. A name goes before
+/// a number, and a name with commas before its parts.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct ViewList(String);
+
+impl From<&str> for ViewList {
+    fn from(text: &str) -> Self {
+        Self(text.to_owned())
+    }
+}
+
+/// A box in the world, along its axes. A side without a length is open.
+///
+/// As text: `x0,x1,y0,y1,z0,z1`, where an empty length leaves its side open.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CropBox {
+    /// The smallest x, y and z.
+    pub low: [Option<Length>; 3],
+    /// The largest x, y and z.
+    pub high: [Option<Length>; 3],
+}
+
+impl FromStr for CropBox {
+    type Err = WorkflowError;
+
+    fn from_str(text: &str) -> Result<Self, WorkflowError> {
+        let sides: Vec<&str> = text.split(',').map(str::trim).collect();
+        if sides.len() != 6 {
+            let problem = format!("{text:?} has {} lengths; write x0,x1,y0,y1,z0,z1", sides.len());
+            return Err(WorkflowError::setting("crop", problem));
+        }
+        let mut crop = Self::default();
+        for (k, side) in sides.iter().enumerate().filter(|(_, side)| !side.is_empty()) {
+            let bounds = if k % 2 == 0 { &mut crop.low } else { &mut crop.high };
+            let length = side.parse().map_err(|e| WorkflowError::setting("crop", e))?;
+            bounds[k / 2] = Some(length);
+        }
+        Ok(crop)
+    }
+}
+
+impl fmt::Display for CropBox {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sides = self.low.iter().zip(&self.high).flat_map(|(low, high)| [low, high]);
+        let side = |side: &Option<Length>| side.map_or(String::new(), |length| length.to_string());
+        f.write_str(&sides.map(side).collect::<Vec<_>>().join(","))
+    }
+}
+
+impl Serialize for CropBox {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.collect_str(self)
+    }
 }
 
 /// Limits of the points that are used, in the scan's unit.
@@ -75,22 +133,17 @@ impl Selection {
 
     pub(crate) fn limits(&self, unit: LengthUnit) -> Result<Limits, WorkflowError> {
         let mut limits = Limits::default();
-        if let Some(text) = &self.max_range {
-            limits.max_range = parse_length(unit, "max_range", text)?;
+        if let Some(length) = self.max_range {
+            limits.max_range = length.in_unit(unit);
             if limits.max_range <= 0.0 {
-                let problem = format!("{text:?} leaves no pixel; write a length over 0");
+                let problem = format!("\"{length}\" leaves no pixel; write a length over 0");
                 return Err(WorkflowError::setting("max_range", problem));
             }
         }
-        let Some(text) = &self.crop else { return Ok(limits) };
-        let sides: Vec<&str> = text.split(',').map(str::trim).collect();
-        if sides.len() != 6 {
-            let problem = format!("{text:?} has {} lengths; write x0,x1,y0,y1,z0,z1", sides.len());
-            return Err(WorkflowError::setting("crop", problem));
-        }
-        for (k, side) in sides.iter().enumerate().filter(|(_, side)| !side.is_empty()) {
-            let bounds = if k % 2 == 0 { &mut limits.low } else { &mut limits.high };
-            bounds[k / 2] = parse_length(unit, "crop", side)?;
+        let Some(crop) = &self.crop else { return Ok(limits) };
+        for k in 0..3 {
+            limits.low[k] = crop.low[k].map_or(limits.low[k], |length| length.in_unit(unit));
+            limits.high[k] = crop.high[k].map_or(limits.high[k], |length| length.in_unit(unit));
         }
         if let Some(k) = (0..3).find(|&k| limits.low[k] >= limits.high[k]) {
             let (low, high, axis) = (limits.low[k], limits.high[k], ["x", "y", "z"][k]);
@@ -107,7 +160,7 @@ impl Selection {
         if every == 0 {
             return Err(WorkflowError::setting("every", "0 selects no view; write 1 or more"));
         }
-        let Some(text) = &self.views else {
+        let Some(ViewList(text)) = &self.views else {
             return Ok((0..scan.views.len()).step_by(every).collect());
         };
         let mut chosen = vec![false; scan.views.len()];
@@ -165,7 +218,7 @@ fn numbered(item: &str) -> Option<RangeInclusive<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::items;
+    use super::*;
 
     #[test]
     fn names_with_commas_are_items_of_a_list() {
@@ -176,5 +229,16 @@ mod tests {
         assert_eq!(list("room 1,hall"), "room 1|hall");
         assert_eq!(list("a,b,c,a,b"), "a,b,c|a,b");
         assert_eq!((list("a,,b"), list("")), ("a||b".to_owned(), String::new()));
+    }
+
+    #[test]
+    fn a_box_is_written_as_it_is_read() {
+        for text in ["0,1m,,,-2.5cm,3", ",,,,,"] {
+            assert_eq!(text.parse::<CropBox>().unwrap().to_string(), text);
+        }
+        for (text, wanted) in [("1,2", "has 2 lengths"), ("x,,,,,", "\"x\" is not a length")] {
+            let error = text.parse::<CropBox>().unwrap_err().to_string();
+            assert!(error.starts_with("crop: ") && error.contains(wanted), "{error}");
+        }
     }
 }

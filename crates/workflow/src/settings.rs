@@ -1,17 +1,17 @@
 //! The settings of a run, as a user gives them.
 //!
-//! A setting that is not given comes from the scan, or has a default. Lengths are texts: "1mm" has
-//! its own unit, a bare number is in the scan's.
+//! A setting that is not given comes from the scan, or has a default. A [`Length`] has its own
+//! unit, or is in the scan's.
 
-use crate::length::parse_length;
-use crate::{Check, MethodSettings, Plausibility, WorkflowError};
+use crate::{Check, MethodSettings, Plausibility, PriorSettings, RefineSettings, WorkflowError};
 use std::mem::discriminant;
 use std::path::PathBuf;
-use transect::register::{PosePrior, RefineOptions};
-use transect::{ReconstructError, Refinement, Setup};
+use transect::{ReconstructError, Setup};
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
 use transect_fusion::FusionMethod;
-use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_geometry::{
+    Guide, GuideKind, Length, LengthUnit, PlaneFamily, StraightGuide, Vector3,
+};
 use transect_partial::Method;
 
 /// The settings of a run.
@@ -32,18 +32,17 @@ pub struct Settings {
     pub keep_seen_through: bool,
     /// Checks of plausibility that are turned off.
     pub accept: Vec<Check>,
-    /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
-    /// The smallest interval may follow a comma; without it, a sixteenth of the interval.
-    pub refine: Option<String>,
+    /// Where planes are inserted between neighbouring planes; `None` inserts no planes.
+    pub refine: Option<RefineSettings>,
     /// The poses of all views are refined before their curves are found.
     pub refine_poses: bool,
-    /// How far the given poses may be wrong, as standard deviations: degrees, comma, length.
-    /// Without it, estimated from how far the views contradict each other.
-    pub prior: Option<String>,
+    /// How far the given poses may be wrong. Without it, estimated from how far the views
+    /// contradict each other.
+    pub prior: Option<PriorSettings>,
     /// Frame of the curves in the drawing.
     pub dxf: DxfFrame,
     /// The curves are also written as cubic B-splines no farther from them than this length.
-    pub splines: Option<String>,
+    pub splines: Option<Length>,
     /// The model of a simulated scan is not scored against its truth.
     pub no_score: bool,
 }
@@ -58,9 +57,9 @@ pub struct PlaneSettings {
     /// Curve that the planes are perpendicular to, instead of a normal.
     pub guide: Option<GuideSettings>,
     /// Distance between neighbouring planes. Without it the scan's own.
-    pub interval: Option<String>,
+    pub interval: Option<Length>,
     /// Station of plane 0. Without it the scan's own, else 0.
-    pub offset: Option<String>,
+    pub offset: Option<Length>,
 }
 
 /// A curved guide in a file.
@@ -72,9 +71,9 @@ pub struct GuideSettings {
     /// them.
     pub polyline: bool,
     /// Largest radius of a polyline's corners. Without it, as large as there is room for.
-    pub radius: Option<String>,
+    pub radius: Option<Length>,
     /// Distance from the guide that is to be covered; an error if planes cross within it.
-    pub reach: Option<String>,
+    pub reach: Option<Length>,
 }
 
 impl Settings {
@@ -109,9 +108,8 @@ impl Settings {
         self.methods.apply(&mut setup)?;
         setup.free_space &= !self.keep_seen_through;
         setup.check_options().map_err(ReconstructError::from)?;
-        let refine = self.refine.as_ref();
-        setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
-        let poses = refine_options(setup.unit, self.prior.as_deref())?;
+        setup.refinement = self.refine.map(|refine| refine.refinement(&setup)).transpose()?;
+        let poses = PriorSettings::options(self.prior, setup.unit);
         setup.refine_poses = self.refine_poses.then_some(poses);
         Ok(setup)
     }
@@ -135,11 +133,8 @@ impl PlaneSettings {
     }
 
     /// The station of plane 0 and the distance between neighbouring planes, where they are given.
-    pub(crate) fn lengths(&self, unit: LengthUnit) -> Result<[Option<f64>; 2], WorkflowError> {
-        let length = |setting, text: &Option<String>| {
-            text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
-        };
-        Ok([length("offset", &self.offset)?, length("interval", &self.interval)?])
+    pub(crate) fn lengths(&self, unit: LengthUnit) -> [Option<f64>; 2] {
+        [self.offset, self.interval].map(|length| length.map(|length| length.in_unit(unit)))
     }
 
     /// The planes: these settings, completed by those of a scan or a store.
@@ -149,7 +144,7 @@ impl PlaneSettings {
         own: Option<&PlanesEntry>,
     ) -> Result<PlaneFamily, WorkflowError> {
         let guide = self.guide(unit, own)?;
-        let [offset, interval] = self.lengths(unit)?;
+        let [offset, interval] = self.lengths(unit);
         // "3in" and "7.62cm" are the same length, but for rounding.
         let same = |own: f64, given: f64| (own - given).abs() <= 1e-12 * own.abs();
         let complete = |given: Option<f64>, own: Option<f64>| match given {
@@ -179,10 +174,7 @@ impl PlaneSettings {
 
 impl GuideSettings {
     pub(crate) fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
-        let length = |setting: &'static str, text: &Option<String>| {
-            text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
-        };
-        let radius = length("guide_radius", &self.radius)?;
+        let radius = self.radius.map(|radius| radius.in_unit(unit));
         let kind = match (self.polyline, radius) {
             (true, radius) => GuideKind::Polyline(radius),
             (false, None) => GuideKind::Spline,
@@ -192,82 +184,21 @@ impl GuideSettings {
             }
         };
         let guide = read_guide(&self.path, kind, unit)?;
-        if let Some(reach) = length("guide_reach", &self.reach)? {
+        if let Some(reach) = self.reach.map(|reach| reach.in_unit(unit)) {
             if reach <= 0.0 {
                 let problem = format!("the reach must be a positive length, got {reach}");
                 return Err(WorkflowError::setting("guide_reach", problem));
             }
-            guide.require_usable_distance(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
+            let unusable = WorkflowError::unusable(&self.path, "the guide cannot be used");
+            guide.require_usable_distance(reach).map_err(unusable)?;
         }
         Ok(guide.into())
     }
 }
 
-/// A tolerance and, behind a comma, the smallest interval; without it a sixteenth of the interval.
-fn parse_refinement(setup: &Setup, text: &str) -> Result<Refinement, WorkflowError> {
-    let length = |text: &str| parse_length(setup.unit, "refine", text.trim());
-    let refinement = match text.split_once(',') {
-        None => Refinement::new(length(text)?, Refinement::DEFAULT_LEVELS),
-        Some((tolerance, least)) => {
-            Refinement::down_to(length(tolerance)?, setup.planes.interval(), length(least)?)
-        }
-    };
-    refinement.map_err(|e| WorkflowError::setting("refine", format!("{e} (in {})", setup.unit)))
-}
-
-/// The options of refinement from the text of a prior: degrees, comma, length.
-pub(crate) fn refine_options(
-    unit: LengthUnit,
-    prior: Option<&str>,
-) -> Result<RefineOptions, WorkflowError> {
-    let prior = prior.map(|text| parse_prior(unit, text)).transpose()?;
-    Ok(RefineOptions { prior, ..RefineOptions::default() })
-}
-
-fn parse_prior(unit: LengthUnit, text: &str) -> Result<PosePrior, WorkflowError> {
-    let wrong = |found: &str| {
-        let problem = format!(
-            "{text}: {found}; write the standard deviations of the poses as DEGREES,LENGTH, both \
-             positive, such as 0.3,10mm"
-        );
-        WorkflowError::setting("prior", problem)
-    };
-    let (degrees, length) = text.split_once(',').ok_or_else(|| wrong("there is no comma"))?;
-    let degrees: f64 = degrees.trim().parse().map_err(|_| wrong("the angle is no number"))?;
-    if !(degrees > 0.0 && degrees <= 180.0) {
-        return Err(wrong("the angle is not between 0 and 180 degrees"));
-    }
-    let translation = parse_length(unit, "prior", length)?;
-    if translation <= 0.0 {
-        return Err(wrong("the length is not positive"));
-    }
-    Ok(PosePrior { rotation: degrees.to_radians(), translation })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_prior_is_an_angle_and_a_length() {
-        let prior = parse_prior(LengthUnit::Metre, "0.5, 10mm").unwrap();
-        assert!((prior.rotation - 0.5_f64.to_radians()).abs() < 1e-15);
-        assert!((prior.translation - 0.01).abs() < 1e-15);
-        for (text, wanted) in [
-            ("1", "there is no comma"),
-            ("-1,2", "between 0 and 180 degrees"),
-            ("0,2", "between 0 and 180 degrees"),
-            ("NaN,2", "between 0 and 180 degrees"),
-            ("x,2", "the angle is no number"),
-            ("1,0", "the length is not positive"),
-            ("1,-2mm", "the length is not positive"),
-            ("1,2 parsec", "parsec"),
-            ("1,2,3", "2,3"),
-        ] {
-            let error = parse_prior(LengthUnit::Metre, text).unwrap_err().to_string();
-            assert!(error.starts_with("prior: ") && error.contains(wanted), "{text}: {error}");
-        }
-    }
 
     #[test]
     fn what_was_seen_through_is_kept_on_request_and_where_a_store_keeps_it() {

@@ -2,8 +2,7 @@
 
 use crate::results::find_model;
 use crate::selection::Limits;
-use crate::settings::refine_options;
-use crate::{Check, FileView, Plausibility, WorkflowError};
+use crate::{Check, FileView, Plausibility, PriorSettings, WorkflowError};
 use std::collections::BTreeSet;
 use std::collections::btree_map::{BTreeMap, Entry};
 use std::path::{Path, PathBuf};
@@ -148,17 +147,16 @@ impl StoreFile {
     /// transaction, and the planes that they touch are fused anew.
     ///
     /// # Errors
-    /// [`WorkflowError`] if the prior is none, or the store cannot be written. Also if a view
-    /// cannot be read from its scan, or has another image than the store. The store is unchanged
-    /// then.
+    /// [`WorkflowError`] if the store cannot be written. Also if a view cannot be read from its
+    /// scan, or has another image than the store. The store is unchanged then.
     pub fn register(
         &self,
-        prior: Option<&str>,
+        prior: Option<PriorSettings>,
         accept: &[Check],
         watch: &dyn Watch,
     ) -> Result<Replaced, WorkflowError> {
         let unit = self.setup.unit;
-        let (options, stored) = (refine_options(unit, prior)?, self.store.views()?);
+        let (options, stored) = (PriorSettings::options(prior, unit), self.store.views()?);
         let scans = self.scans_of(&stored)?;
         let source = |StoredView { entry, .. }: &StoredView| {
             let path = Path::new(&entry.source);
@@ -291,9 +289,9 @@ pub(crate) fn finish(path: &Path, store: &Store) -> Result<usize, WorkflowError>
 /// The settings that a store was made with.
 ///
 /// # Errors
-/// [`WorkflowError::File`] if this program does not have its options.
+/// [`WorkflowError::Unusable`] if this program does not have its options.
 pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, WorkflowError> {
-    Setup::of_store(header).map_err(|error| WorkflowError::file(path, error))
+    Setup::of_store(header).map_err(WorkflowError::unusable(path, "the store cannot be used"))
 }
 
 /// A store that grew by a scan.
@@ -345,7 +343,9 @@ fn grow_error(
         ) => stopped(store, views, error.into()),
         GrowError::View(error) => error.into(),
         GrowError::Store(error) => stopped(store, views, error.into()),
-        error @ GrowError::OtherSettings(_) => WorkflowError::file(path, error),
+        error @ GrowError::OtherSettings(_) => {
+            WorkflowError::unusable(path, "the store cannot grow")(error)
+        }
         error => error.into(),
     }
 }

@@ -134,7 +134,7 @@ impl OpenScan {
         let guide = settings.guide.as_ref().map(|guide| guide.read(unit)).transpose()?;
         let curved = guide.as_ref().and_then(Guide::curved).cloned();
         let along = Vector3::from(normal).try_normalize(0.0).unwrap_or(Vector3::z());
-        let [given, interval] = settings.lengths(unit)?;
+        let [given, interval] = settings.lengths(unit);
         let interval = interval.unwrap_or_else(|| {
             let extent = curved.as_ref().map_or_else(|| extent(views, &along), |g| g.length());
             let spacing = median(views.iter().filter_map(|v| Some(v.spacing?[1])));

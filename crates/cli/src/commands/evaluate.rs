@@ -1,5 +1,6 @@
 //! `transect evaluate`: how accurate a model is.
 
+use super::lengths::length;
 use crate::failure::Failure;
 use crate::notes;
 use crate::table::{print, print_rows_csv};
@@ -51,8 +52,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(mesh) => Reference::Mesh(mesh.clone()),
         None => truth(file.parent().unwrap_or(Path::new("")))?,
     };
-    let limits =
-        ScoreLimits { from: arguments.from.clone(), tolerance: arguments.tolerance.clone() };
+    let limits = ScoreLimits {
+        from: length("from", arguments.from.as_ref())?,
+        tolerance: length("tolerance", arguments.tolerance.as_ref())?,
+    };
     let model = ModelFile::open(&file)?.into_model()?;
     let score = score(&model, &reference, &limits)?;
     let rows = [score.agreement, score.counts].concat();

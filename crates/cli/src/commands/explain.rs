@@ -20,7 +20,7 @@ pub struct Arguments {
     drawing: DrawingArguments,
 }
 
-/// The common arguments of `explain` and `grow`.
+/// The common arguments of `explain` and `explain-growth`.
 #[derive(Debug, clap::Args)]
 pub struct DrawingArguments {
     /// Scan, as for reconstruct.
@@ -59,7 +59,7 @@ impl DrawingArguments {
         let mut settings = Settings::default();
         settings.planes = self.planes.settings()?;
         settings.accept.clone_from(&self.accept.accept);
-        self.methods.apply(&mut settings);
+        self.methods.apply(&mut settings)?;
         if scan.lacks_planes(&settings) {
             notes::tell(&[scan.suggest_planes(&settings)?]);
         }

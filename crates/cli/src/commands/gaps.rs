@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use transect_geometry::{EndReason, LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_model::Section;
-use transect_model::gaps::{FreeSpace, Gap, NextView, NextViewOptions, UnseenPatch, next_views};
+use transect_model::gaps::{Gap, KnownSpace, NextView, NextViewOptions, UnseenPatch, next_views};
 use transect_model::store::Snapshot;
 use transect_workflow::ModelFile;
 
@@ -164,7 +164,7 @@ fn propose(
     }
     let rays = rays(snapshot)?;
     let reach = rays.iter().map(|(sensor, seen)| (seen - sensor).norm()).fold(0.0, f64::max);
-    let Some(space) = FreeSpace::from_rays(&rays) else {
+    let Some(space) = KnownSpace::from_rays(&rays) else {
         say("\nNo next views: the store has no ray of a view, so no space is known to be free.");
         return Ok(());
     };

@@ -1,5 +1,6 @@
 //! `transect manifest`: a scan.json for a folder of depth images.
 
+use super::lengths::length;
 use super::planes::parse_normal;
 use super::scan::DepthArguments;
 use crate::failure::Failure;
@@ -10,7 +11,7 @@ use transect_exchange::{
     FileNames, PlanesEntry, depth_sequence_manifest, write_file, write_manifest,
 };
 use transect_geometry::LengthUnit;
-use transect_workflow::{claim_manifest, parse_length};
+use transect_workflow::claim_manifest;
 
 /// Options of `manifest`.
 #[derive(Debug, clap::Args)]
@@ -42,10 +43,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (mut manifest, notes) =
         depth_sequence_manifest(&arguments.folder, FileNames::Absolute, &options)?;
     notes::tell(&notes);
-    if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
-        let metres = |name, text: &String| parse_length(LengthUnit::Metre, name, text);
-        let interval = metres("interval", interval)?;
-        let offset = arguments.offset.as_ref().map(|text| metres("offset", text)).transpose()?;
+    let metres = |option, text: &Option<String>| -> Result<Option<f64>, Failure> {
+        Ok(length(option, text.as_ref())?.map(|length| length.in_unit(LengthUnit::Metre)))
+    };
+    let interval = metres("interval", &arguments.interval)?;
+    if let (Some(normal), Some(interval)) = (&arguments.normal, interval) {
+        let offset = metres("offset", &arguments.offset)?;
         let planes = PlanesEntry::new(parse_normal(normal)?, offset.unwrap_or(0.0), interval);
         planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
         manifest.planes = Some(planes);

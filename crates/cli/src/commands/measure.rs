@@ -1,12 +1,13 @@
 //! `transect measure`: bounds of the areas of each plane, and of the volume.
 
+use super::lengths::distance;
 use super::open_model;
 use crate::failure::Failure;
 use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, say};
 use std::path::PathBuf;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_model::{Bracket, ModelVolume, SectionMeasures, Volume};
-use transect_workflow::{ModelFile, parse_distance};
+use transect_workflow::ModelFile;
 
 /// Options of `measure`.
 #[derive(Debug, clap::Args)]
@@ -28,8 +29,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
-    let parse = |text: &String| parse_distance(file.unit(), "close-gaps", text);
-    let close_gaps = arguments.close_gaps.as_ref().map(parse).transpose()?;
+    let close_gaps = distance("close-gaps", arguments.close_gaps.as_ref(), file.unit())?;
     let mut planes = Vec::new();
     file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;
     match (arguments.csv, arguments.sums) {

@@ -1,6 +1,8 @@
 //! Options that choose the methods, and the settings of the dissertation's own methods.
 
+use super::lengths::length;
 use super::named;
+use crate::failure::Failure;
 use clap::Args;
 use transect_fusion::FusionMethod;
 use transect_partial::Method;
@@ -70,12 +72,13 @@ struct OwnArguments {
 
 impl MethodArguments {
     /// Puts the options into settings.
-    pub fn apply(&self, settings: &mut Settings) {
+    pub fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
         (settings.partial, settings.fusion) = (self.method, self.fusion);
         let (own, methods) = (&self.own, &mut settings.methods);
         (methods.subpixel, methods.direction) = (own.subpixel, own.direction);
         (methods.gap, methods.thickness) = (own.gap, own.thickness);
-        methods.jump.clone_from(&own.jump);
-        methods.threshold.clone_from(&own.threshold);
+        methods.jump = own.jump.as_deref().map(str::parse).transpose()?;
+        methods.threshold = length("threshold", own.threshold.as_ref())?;
+        Ok(())
     }
 }

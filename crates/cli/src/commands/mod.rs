@@ -9,9 +9,9 @@ pub mod align;
 pub mod compact;
 pub mod evaluate;
 pub mod explain;
+pub mod explain_growth;
 pub mod export;
 pub mod gaps;
-pub mod grow;
 pub mod import;
 pub mod inspect;
 pub mod list_views;
@@ -26,6 +26,7 @@ pub mod simulate;
 pub mod verify;
 
 mod inspect_model;
+mod lengths;
 mod method;
 mod planes;
 mod scan;

@@ -1,5 +1,6 @@
 //! Options that several commands share: where the section planes are, and accepted input.
 
+use super::lengths::length;
 use super::named;
 use crate::failure::Failure;
 use clap::Args;
@@ -56,14 +57,16 @@ impl PlaneArguments {
     pub fn settings(&self) -> Result<PlaneSettings, Failure> {
         let mut settings = PlaneSettings::default();
         settings.normal = self.normal.as_deref().map(parse_normal).transpose()?;
-        settings.guide = self.guide.as_ref().map(|path| GuideSettings {
-            path: path.clone(),
-            polyline: self.is_polyline,
-            radius: self.guide_radius.clone(),
-            reach: self.guide_reach.clone(),
-        });
-        settings.interval.clone_from(&self.interval);
-        settings.offset.clone_from(&self.offset);
+        if let Some(path) = &self.guide {
+            settings.guide = Some(GuideSettings {
+                path: path.clone(),
+                polyline: self.is_polyline,
+                radius: length("guide-radius", self.guide_radius.as_ref())?,
+                reach: length("guide-reach", self.guide_reach.as_ref())?,
+            });
+        }
+        settings.interval = length("interval", self.interval.as_ref())?;
+        settings.offset = length("offset", self.offset.as_ref())?;
         Ok(settings)
     }
 }

@@ -1,5 +1,6 @@
 //! `transect query`: whether points are inside the solid, outside, or unknown.
 
+use super::lengths::distance;
 use super::open_model;
 use super::planes::parse_numbers;
 use crate::failure::Failure;
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
 use transect_model::{Location, SpaceAnswer};
-use transect_workflow::{ModelFile, parse_distance};
+use transect_workflow::ModelFile;
 
 /// Options of `query`.
 #[derive(Debug, clap::Args)]
@@ -33,8 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let points = points?;
     let file = open_model(&arguments.file)?;
     let unit = file.unit();
-    let within = arguments.within.as_deref();
-    let within = within.map(|text| parse_distance(unit, "within", text)).transpose()?;
+    let within = distance("within", arguments.within.as_ref(), unit)?;
     let mut answers = answers(file, &points)?;
     answers.iter_mut().for_each(|answer| limit(answer, within.unwrap_or(f64::INFINITY)));
     if arguments.csv {

@@ -1,5 +1,6 @@
 //! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
+use super::lengths::length;
 use super::method::MethodArguments;
 use super::planes::{AcceptArguments, PlaneArguments};
 use super::scan::ScanArguments;
@@ -136,14 +137,14 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::default();
         settings.planes = self.planes.settings()?;
-        self.methods.apply(&mut settings);
+        self.methods.apply(&mut settings)?;
         settings.accept.clone_from(&self.accept.accept);
         settings.keep_seen_through = self.keep_seen_through;
         settings.dxf = self.dxf.frame();
-        settings.refine.clone_from(&self.refine);
+        settings.refine = self.refine.as_deref().map(str::parse).transpose()?;
         settings.refine_poses = self.refine_poses;
-        settings.prior.clone_from(&self.prior);
-        settings.splines.clone_from(&self.splines);
+        settings.prior = self.prior.as_deref().map(str::parse).transpose()?;
+        settings.splines = length("splines", self.splines.as_ref())?;
         settings.no_score = self.no_score;
         Ok(settings)
     }

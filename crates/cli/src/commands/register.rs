@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use transect::PoseReport;
 use transect::register::{PoseOutcome, RefinedPose};
 use transect_exchange::MANIFEST_FILE;
-use transect_workflow::{Registration, StoreFile, is_model};
+use transect_workflow::{PriorSettings, Registration, StoreFile, is_model};
 
 /// Options of `register`.
 #[derive(Debug, clap::Args)]
@@ -36,6 +36,12 @@ pub struct Arguments {
     quiet: bool,
 }
 
+impl Arguments {
+    fn prior(&self) -> Result<Option<PriorSettings>, Failure> {
+        Ok(self.prior.as_deref().map(str::parse).transpose()?)
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let progress = Progress::new(arguments.quiet);
@@ -54,7 +60,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Failure> {
     let scan = arguments.open.open(&arguments.path)?;
     Registration::claim(&scan, out)?;
-    let registered = scan.register(arguments.prior.as_deref(), &arguments.accept.accept, progress);
+    let prior = arguments.prior()?;
+    let registered = scan.register(prior, &arguments.accept.accept, progress);
     progress.finish();
     let registered = registered?;
     let warnings = registered.write(out)?;
@@ -69,7 +76,8 @@ fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Fa
 fn store(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     let store = StoreFile::open(&arguments.path)?;
     note_finished(store.planes_finished());
-    let replaced = store.register(arguments.prior.as_deref(), &arguments.accept.accept, progress);
+    let prior = arguments.prior()?;
+    let replaced = store.register(prior, &arguments.accept.accept, progress);
     progress.finish();
     let replaced = replaced?;
     store.close()?;

@@ -1,5 +1,6 @@
 //! Options that say how a scan is opened, and which part of it is used.
 
+use super::lengths::length;
 use super::named;
 use crate::failure::Failure;
 use crate::notes;
@@ -8,7 +9,7 @@ use transect::register::PoseReading;
 use transect_device::{ImageOrder, ImageSize};
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
-use transect_workflow::{OpenScan, Selection};
+use transect_workflow::{OpenScan, Selection, ViewList};
 
 /// How a scan is opened.
 #[derive(Debug, clap::Args)]
@@ -89,12 +90,13 @@ fn grid(text: &str) -> Result<ImageSize, String> {
 impl ScanArguments {
     /// Opens the part of a scan that the arguments name.
     pub fn open(&self, path: &Path) -> Result<OpenScan, Failure> {
+        let selection = self.selection()?;
         let scan = OpenScan::open(path, &self.options())?;
         let scan = match self.pose_convention {
             Some(reading) => scan.with_reading(reading),
             None => scan,
         };
-        let scan = scan.select(&self.selection())?;
+        let scan = scan.select(&selection)?;
         // Before anything can fail: a note may be the reason.
         notes::tell(&scan.scan().notes);
         Ok(scan)
@@ -103,17 +105,17 @@ impl ScanArguments {
     /// Whether no argument is given.
     pub fn is_empty(&self) -> bool {
         self.options() == OpenOptions::default()
-            && self.selection() == Selection::default()
+            && self.part.is_empty()
             && self.pose_convention.is_none()
     }
 
-    fn selection(&self) -> Selection {
+    fn selection(&self) -> Result<Selection, Failure> {
         let mut selection = Selection::default();
-        selection.views.clone_from(&self.part.views);
+        selection.views = self.part.views.as_deref().map(ViewList::from);
         selection.every = self.part.every;
-        selection.crop.clone_from(&self.part.crop);
-        selection.max_range.clone_from(&self.part.max_range);
-        selection
+        selection.crop = self.part.crop.as_deref().map(str::parse).transpose()?;
+        selection.max_range = length("max-range", self.part.max_range.as_ref())?;
+        Ok(selection)
     }
 
     /// The options that the arguments stand for.
@@ -123,6 +125,14 @@ impl ScanArguments {
         (options.grid, options.rings) = (self.grid, self.rings);
         options.image_order = self.image_order;
         options
+    }
+}
+
+impl PartArguments {
+    /// Whether no argument is given.
+    fn is_empty(&self) -> bool {
+        let Self { views, every, crop, max_range } = self;
+        views.is_none() && every.is_none() && crop.is_none() && max_range.is_none()
     }
 }
 

@@ -467,7 +467,7 @@ fn failures_end_with_1_and_name_their_file() {
         ("evaluate out --reference none.ply", ["none.ply: cannot be read", "No such file"]),
         ("evaluate out --reference no.transect", ["no.transect", "read from .ply, .stl and .obj"]),
         ("evaluate out --reference no.ply", ["no.ply, line 1", "not a PLY file"]),
-        ("evaluate out --reference far.stl", ["far.stl: the reference spans", "do not overlap"]),
+        ("evaluate out --reference far.stl", ["far.stl: the mesh does not fit", "do not overlap"]),
         ("manifest scan --out m.json", ["scan: no poses beside the depth images", "--poses"]),
         (
             "inspect scan --camera 2,2,0,0",

@@ -63,7 +63,8 @@ fn a_reference_that_no_plane_cuts_is_refused() {
     let (folder, _) = reconstructed();
     let corners = "v 0 0 0.02\nv 0.001 0 0.02\nv 0 0.001 0.02\nv 0 0 0.021\n";
     folder.write("small.obj", format!("{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
-    let refused = ["small.obj: the reference spans", "no plane of the model cuts", "unit"];
+    let file = "small.obj: the mesh does not fit the model\n  because: the reference spans";
+    let refused = [file, "no plane of the model cuts", "unit"];
     folder.run("evaluate out --reference small.obj").failed_with(1, &refused);
 }
 

@@ -1,4 +1,4 @@
-//! The figures of `explain` and `grow`.
+//! The figures of `explain` and `explain-growth`.
 
 use super::common::{Folder, Run, fixture};
 use serde_json::Value;
@@ -75,7 +75,7 @@ fn every_room_of_the_default_methods_has_its_figure() {
 #[test]
 fn a_plane_grows_by_cases_and_patterns() {
     let folder = Folder::simulated("objects.scene.toml");
-    let run = folder.run("grow scan --out a").succeeded();
+    let run = folder.run("explain-growth scan --out a").succeeded();
     let shown = figures(&folder, "a");
     let cases = |run: &Run| -> f64 {
         let names = ["1 (new plane)", "2 (appended)", "3 (merged)"];
@@ -107,7 +107,7 @@ fn the_last_figure_shows_the_curves_of_the_model() {
     for (command, fusion, step) in [
         ("explain", "consensus", "12-seen-through.svg"),
         ("explain", "pairwise", "12-seen-through.svg"),
-        ("grow", "pairwise", "10-seen-through.svg"),
+        ("explain-growth", "pairwise", "10-seen-through.svg"),
     ] {
         folder.reconstruct(&format!("scan --fusion {fusion} --no-score")).succeeded();
         let model = folder.json("out/contours.json");
@@ -127,11 +127,11 @@ fn the_last_figure_shows_the_curves_of_the_model() {
 fn planes_grow_by_pairwise_alone() {
     let folder = Folder::simulated("objects.scene.toml");
     folder
-        .run("grow scan --fusion consensus --out a")
+        .run("explain-growth scan --fusion consensus --out a")
         .failed_with(2, &["--fusion", "all views at once", "transect explain"]);
     assert!(!folder.path("a").exists());
     // The settings of pairwise hold without its name.
-    let line = "grow scan --threshold 9mm --out";
+    let line = "explain-growth scan --threshold 9mm --out";
     folder.run(&format!("{line} a")).succeeded();
     folder.run(&format!("{line} b --fusion pairwise")).succeeded();
     assert_eq!(folder.bytes("a/02-view-000.svg"), folder.bytes("b/02-view-000.svg"));
@@ -159,7 +159,7 @@ fn views_planes_and_guides_that_cannot_be_drawn_are_refused() {
         &["--plane", "plane 4000 does not cross", "view range_000.npy saw; planes"],
     );
     folder
-        .run("grow scan --plane -4000 --out a")
+        .run("explain-growth scan --plane -4000 --out a")
         .failed_with(2, &["--plane", "no view has a curve"]);
     folder.write("axis.csv", "0,0,0\n0,0,1\n0,0.2,2\n");
     folder

@@ -13,8 +13,8 @@
 //!    unseen boundary.
 //! 3. The solid lies on the left of a gap, as on that of a curve. So the free side of a gap is
 //!    known.
-//! 4. [`FreeSpace`] is the space that the rays of the views crossed; [`next_views`] tries places in
-//!    it for a sensor and adds up the gaps in sight of each.
+//! 4. [`KnownSpace`] is the space that the rays of the views crossed; [`next_views`] tries places
+//!    in it for a sensor and adds up the gaps in sight of each.
 //!
 //! Departures from the source: 6.4 names the selection of views as future work; the method is ours.
 //!
@@ -26,7 +26,7 @@
 //! ```
 //! use transect_geometry::{Curve, Node, PlaneFrame, Point2, Point3, Vector3};
 //! use transect_model::Section;
-//! use transect_model::gaps::{FreeSpace, NextViewOptions, next_views};
+//! use transect_model::gaps::{KnownSpace, NextViewOptions, next_views};
 //!
 //! // A square that lacks its right side, which a sensor on the left has not seen.
 //! let corners = [(2.0, 2.0), (0.0, 2.0), (0.0, 0.0), (2.0, 0.0)];
@@ -42,17 +42,17 @@
 //!     let y = 3.0 + 0.01 * f64::from(k % 100) - if k < 100 { 0.0 } else { 4.5 };
 //!     (Point3::new(-3.0, y, 0.0), Point3::new(5.0, y, 0.0))
 //! };
-//! let space = FreeSpace::from_rays(&(0..200).map(ray).collect::<Vec<_>>()).ok_or("no rays")?;
+//! let space = KnownSpace::from_rays(&(0..200).map(ray).collect::<Vec<_>>()).ok_or("no rays")?;
 //! let options = NextViewOptions::new(1, 1.3, 10.0);
 //! let view = next_views(&patches, &space, &options)[0];
 //! assert!(view.position.x > 2.0, "the right side is seen from the right");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod free_space;
+mod known_space;
 mod next_view;
 
-pub use free_space::{Cell, FreeSpace};
+pub use known_space::{Cell, KnownSpace};
 pub use next_view::{NextView, NextViewOptions, UnseenPatch, next_views};
 
 use crate::{CurveIndex, Section};

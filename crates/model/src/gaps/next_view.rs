@@ -17,7 +17,7 @@
 //! list is a proposal. Faces parallel to the section planes, such as the top of a table on level
 //! sections, are in no section; only unknown space hints at them.
 
-use super::FreeSpace;
+use super::KnownSpace;
 use transect_geometry::{Point3, Vector3};
 
 /// A piece of an unseen surface, from a gap of a plane.
@@ -75,7 +75,7 @@ type Sight = Vec<(usize, f64)>;
 /// sees more.
 pub fn next_views(
     patches: &[UnseenPatch],
-    space: &FreeSpace,
+    space: &KnownSpace,
     options: &NextViewOptions,
 ) -> Vec<NextView> {
     let mut patches = thinned(patches);
@@ -112,7 +112,7 @@ fn thinned(patches: &[UnseenPatch]) -> Vec<UnseenPatch> {
     patches.chunks(stride).filter_map(standing_for).collect()
 }
 
-fn candidates(space: &FreeSpace) -> Vec<Point3> {
+fn candidates(space: &KnownSpace) -> Vec<Point3> {
     let mut stride = 1;
     loop {
         let places = space.free_places(stride);
@@ -127,7 +127,7 @@ fn candidates(space: &FreeSpace) -> Vec<Point3> {
 fn share_in_sight(
     place: &Point3,
     patch: &UnseenPatch,
-    space: &FreeSpace,
+    space: &KnownSpace,
     options: &NextViewOptions,
 ) -> Option<f64> {
     let towards = place - patch.middle;
@@ -153,7 +153,7 @@ mod tests {
 
     /// A sensor at the origin sees a wall at x = 10 with a post before it at x = 5; the wall behind
     /// the post is a gap.
-    fn scene() -> (FreeSpace, Vec<UnseenPatch>) {
+    fn scene() -> (KnownSpace, Vec<UnseenPatch>) {
         let steps = || -40..=40;
         let seen =
             steps().flat_map(|y| steps().map(move |z| (f64::from(y) * 0.1, f64::from(z) * 0.1)));
@@ -166,7 +166,7 @@ mod tests {
             outward: -Vector3::x(),
             area: 0.1,
         };
-        (FreeSpace::from_rays(&rays).unwrap(), (-9..=9).map(patch).collect())
+        (KnownSpace::from_rays(&rays).unwrap(), (-9..=9).map(patch).collect())
     }
 
     fn options(views: usize) -> NextViewOptions {

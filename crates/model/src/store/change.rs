@@ -7,7 +7,7 @@ use super::fuse::{Fuse, Met, PlaneInputs};
 use super::tables::{
     COPIES, FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
-use super::view::{StoredView, ViewEntry};
+use super::view::{StoredView, ViewDescription};
 use super::view_id::ViewId;
 use redb::WriteTransaction;
 use std::collections::BTreeSet;
@@ -42,7 +42,7 @@ pub struct ViewReplacement<C> {
     /// The id of the view that leaves.
     pub id: ViewId,
     /// The view that comes.
-    pub entry: ViewEntry,
+    pub entry: ViewDescription,
     /// The coarse copy of its image.
     pub copy: Option<ViewCopy>,
     /// The curves of the view that comes, plane by plane.
@@ -55,7 +55,7 @@ impl Store {
     /// # Errors
     /// If a view of that id exists, the pose or noise is invalid, or another thread is changing the
     /// store.
-    pub fn begin_view(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreError> {
+    pub fn begin_view(&self, entry: ViewDescription) -> Result<ViewTransaction<'_>, StoreError> {
         self.run(|| {
             entry.check()?;
             let transaction = self.write()?;
@@ -246,7 +246,7 @@ fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, S
 pub(super) fn fuse_again(
     transaction: &WriteTransaction,
     planes: impl IntoIterator<Item = PlaneIndex>,
-    new: Option<&ViewEntry>,
+    new: Option<&ViewDescription>,
     fuse: &impl Fuse,
 ) -> Result<(), StoreProblem> {
     let (mut batch, mut hashes, mut size) = (Vec::new(), Vec::new(), 0);

@@ -6,7 +6,7 @@
 use super::error::{StoreError, StoreProblem};
 use super::snapshot::Snapshot;
 use super::tables::COPIES;
-use super::view::ViewEntry;
+use super::view::ViewDescription;
 use crate::CodecError;
 use crate::codec::values::{CopyValue, decode, encode};
 use redb::{ReadableTable, WriteTransaction};
@@ -38,11 +38,14 @@ impl Snapshot {
     ///
     /// # Errors
     /// If the store is damaged.
-    pub fn copy(&self, entry: &ViewEntry) -> Result<Option<ViewCopy>, StoreError> {
+    pub fn copy(&self, entry: &ViewDescription) -> Result<Option<ViewCopy>, StoreError> {
         self.read_copy(entry).map_err(|problem| self.error(problem))
     }
 
-    pub(super) fn read_copy(&self, entry: &ViewEntry) -> Result<Option<ViewCopy>, StoreProblem> {
+    pub(super) fn read_copy(
+        &self,
+        entry: &ViewDescription,
+    ) -> Result<Option<ViewCopy>, StoreProblem> {
         let Some(copies) = &self.copies else { return Ok(None) };
         get(copies, entry)
     }
@@ -51,7 +54,7 @@ impl Snapshot {
 /// The copy of a view's image; `None` if there is none of this image.
 pub(super) fn get(
     copies: &impl ReadableTable<&'static str, &'static [u8]>,
-    entry: &ViewEntry,
+    entry: &ViewDescription,
 ) -> Result<Option<ViewCopy>, StoreProblem> {
     let Some(found) = copies.get(entry.id.0.as_str())? else { return Ok(None) };
     let value: CopyValue<'_> = decode(found.value())
@@ -64,7 +67,7 @@ pub(super) fn get(
 /// Stores the copy of a view's image.
 pub(super) fn put(
     transaction: &WriteTransaction,
-    entry: &ViewEntry,
+    entry: &ViewDescription,
     copy: &ViewCopy,
 ) -> Result<(), StoreProblem> {
     let value = CopyValue { source_hash: &entry.source_hash, bytes: Cow::Borrowed(&copy.0) };

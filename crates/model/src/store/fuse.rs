@@ -3,7 +3,7 @@
 use super::copy::{self, ViewCopy};
 use super::error::StoreProblem;
 use super::tables::{Partials, read_view};
-use super::view::ViewEntry;
+use super::view::ViewDescription;
 use super::view_id::ViewId;
 use redb::ReadableTable;
 use std::collections::BTreeSet;
@@ -26,7 +26,7 @@ pub struct PlaneInputs {
 pub trait Fuse {
     /// Meets a view with curves on planes that are fused next. It has the coarse copy of its image,
     /// if the store keeps one.
-    fn meet(&self, view: &ViewEntry, copy: Option<ViewCopy>) {
+    fn meet(&self, view: &ViewDescription, copy: Option<ViewCopy>) {
         let _ = (view, copy);
     }
 
@@ -57,7 +57,7 @@ impl Met {
         &mut self,
         plane: &Partials,
         (views, copies): (&T, Option<&T>),
-        new: Option<&ViewEntry>,
+        new: Option<&ViewDescription>,
         fuse: &impl Fuse,
     ) -> Result<(), StoreProblem> {
         for (id, _) in &plane.by_view {

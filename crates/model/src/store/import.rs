@@ -8,7 +8,7 @@ use super::lines::{
 };
 use super::medium::Medium;
 use super::tables::{FUSED, PARTIALS, VIEWS, encode_curves, encode_fused};
-use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view::{StoreHeader, StoredView, ViewDescription};
 use super::view_id::ViewId;
 use super::{Store, build};
 use crate::codec::values::hash_piece;
@@ -146,7 +146,7 @@ impl Contents {
         Err(StoreProblem::Import { line: self.line, problem: problem.to_string() })
     }
 
-    fn add_view(&mut self, entry: ViewEntry) -> Result<(), StoreProblem> {
+    fn add_view(&mut self, entry: ViewDescription) -> Result<(), StoreProblem> {
         if self.open.is_some() || self.last_plane.is_some() {
             return self.refuse("views come before planes");
         }

@@ -30,7 +30,7 @@
 //! as the same bytes.
 
 use super::copy::ViewCopy;
-use super::view::{StoreHeader, ViewEntry};
+use super::view::{StoreHeader, ViewDescription};
 use super::view_id::ViewId;
 use serde::{Deserialize, Serialize};
 use transect_geometry::{Curve, EndReason, LengthUnit, Node, PlaneFamily, Point2, StoredNode};
@@ -48,7 +48,7 @@ pub(super) const OLDEST_LINES: u32 = 3;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Line {
     Store(StoreLine),
-    View(ViewEntry),
+    View(ViewDescription),
     Copy(CopyLine),
     Partial(PartialLine),
     Fused(FusedLine),

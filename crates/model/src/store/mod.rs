@@ -33,7 +33,7 @@
 //!
 //! ```
 //! use transect_geometry::{Curve, Isometry3, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
-//! use transect_model::store::{Store, StoreHeader, ViewEntry, ViewId};
+//! use transect_model::store::{Store, StoreHeader, ViewDescription, ViewId};
 //!
 //! let folder = tempfile::tempdir()?;
 //! let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 0.0, 0.5)?;
@@ -48,7 +48,7 @@
 //! let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(|(x, y)| Node::at(Point2::new(x, y)));
 //! let triangle = Curve::new(corners.to_vec(), true)?;
 //! for id in ["front", "back"] {
-//!     let mut view = store.begin_view(ViewEntry {
+//!     let mut view = store.begin_view(ViewDescription {
 //!         id: id.into(),
 //!         name: id.to_owned(),
 //!         sensor: "imaging radar".to_owned(),
@@ -98,7 +98,7 @@ pub use lines::{LINES_START, LINES_VERSION};
 pub use query::SpaceQuery;
 pub use snapshot::Snapshot;
 pub use verify::Verification;
-pub use view::{StoreHeader, StoredView, ViewEntry};
+pub use view::{StoreHeader, StoredView, ViewDescription};
 pub use view_id::ViewId;
 
 use crate::regular_file::{open_regular, require_regular};

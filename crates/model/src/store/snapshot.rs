@@ -5,7 +5,7 @@ use super::tables::{
     FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, open_copies, read_partials, read_view,
     read_views,
 };
-use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view::{StoreHeader, StoredView, ViewDescription};
 use super::view_id::ViewId;
 use crate::{Model, Section, ViewRecord};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, ReadableTableMetadata};
@@ -135,7 +135,7 @@ impl Snapshot {
     pub fn model(&self) -> Result<Model, StoreError> {
         let mut model = Model::new(self.header.unit, self.header.planes.clone());
         for view in self.views()? {
-            let ViewEntry { name, source, world_from_sensor, sigma, .. } = view.entry;
+            let ViewDescription { name, source, world_from_sensor, sigma, .. } = view.entry;
             model.add_view(ViewRecord {
                 name,
                 source,

@@ -26,7 +26,7 @@ pub struct StoreHeader {
 /// A view that goes into a store.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ViewEntry {
+pub struct ViewDescription {
     /// Its id, which differs from those of other views.
     pub id: ViewId,
     /// Its name in reports.
@@ -48,7 +48,7 @@ pub struct ViewEntry {
 #[non_exhaustive]
 pub struct StoredView {
     /// The entry of the view.
-    pub entry: ViewEntry,
+    pub entry: ViewDescription,
     /// The planes on which it has curves, in order.
     pub planes: Vec<PlaneIndex>,
     /// Number of its partial curves on all planes.
@@ -73,7 +73,7 @@ impl StoreHeader {
     }
 }
 
-impl ViewEntry {
+impl ViewDescription {
     pub(crate) fn check(&self) -> Result<(), InvariantError> {
         check_pose(&self.id.0, &self.world_from_sensor)?;
         check_sigma(&self.id.0, self.sigma)
@@ -82,7 +82,7 @@ impl ViewEntry {
 
 impl StoredView {
     /// A view that has no curves yet.
-    pub(crate) fn new(entry: ViewEntry) -> Self {
+    pub(crate) fn new(entry: ViewDescription) -> Self {
         Self { entry, planes: Vec::new(), curves: 0, nodes: 0 }
     }
 
@@ -94,7 +94,7 @@ impl StoredView {
     }
 
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
-        let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } =
+        let ViewDescription { id, name, sensor, source, source_hash, world_from_sensor, sigma } =
             &self.entry;
         let value = ViewValue {
             name,
@@ -113,7 +113,7 @@ impl StoredView {
     pub(crate) fn decode(id: &str, bytes: &[u8]) -> Result<Self, StoreProblem> {
         let decoded: Result<ViewValue<'_>, CodecError> = decode(bytes);
         let value = decoded.map_err(StoreProblem::value(format_args!("view {id}")))?;
-        let entry = ViewEntry {
+        let entry = ViewDescription {
             id: id.into(),
             name: value.name.to_owned(),
             sensor: value.sensor.to_owned(),

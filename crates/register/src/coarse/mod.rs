@@ -19,6 +19,7 @@ mod stored;
 pub use patch::Patch;
 pub use stored::StoredCopy;
 
+use crate::prior::{PosePrior, PriorError};
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
 use lattice::{Lattice, Place};
@@ -47,22 +48,6 @@ pub struct CoarseView {
     lookup: Lookup,
     sigma: f64,
     prior: Option<PosePrior>,
-}
-
-/// How far poses may be wrong, as standard deviations: finite numbers, 0 or more. A prior with
-/// others counts as not stated.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct PosePrior {
-    /// Of the rotation about each axis, in radians.
-    pub rotation: f64,
-    /// Of the translation along each axis, in the model's length unit.
-    pub translation: f64,
-}
-
-impl PosePrior {
-    pub(crate) fn is_sound(&self) -> bool {
-        [self.rotation, self.translation].iter().all(|sigma| sigma.is_finite() && *sigma >= 0.0)
-    }
 }
 
 #[derive(Debug, Clone)]
@@ -206,8 +191,14 @@ impl CoarseView {
     }
 
     /// The same copy of a view whose scan states how far its pose may be wrong.
-    pub fn with_prior(self, prior: Option<PosePrior>) -> Self {
-        Self { prior: prior.filter(PosePrior::is_sound), ..self }
+    ///
+    /// # Errors
+    /// [`PriorError::OfView`] if a number of the prior is negative or not finite.
+    pub fn with_prior(self, prior: Option<PosePrior>) -> Result<Self, PriorError> {
+        match prior.filter(|prior| !prior.is_sound()) {
+            Some(prior) => Err(PriorError::OfView { view: self.name, prior }),
+            None => Ok(Self { prior, ..self }),
+        }
     }
 
     /// How far the view's own pose may be wrong, if its scan states it.

@@ -8,10 +8,10 @@
 
 mod accord;
 mod distances;
-mod explain;
+mod find_reading;
 
 pub use accord::Accord;
-pub use explain::{Explanation, Reading, StatedPoses, explain};
+pub use find_reading::{FoundReading, Reading, StatedPoses, find_reading};
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::f64::consts::PI;

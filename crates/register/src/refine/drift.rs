@@ -13,7 +13,7 @@
 //! the first view.
 
 use super::motion::Motion;
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE, SHARED};
 use nalgebra::{DMatrix, DVector, Matrix6};
 

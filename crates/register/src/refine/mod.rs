@@ -41,8 +41,9 @@ mod solve;
 mod tests;
 mod uncertainty;
 
-use crate::coarse::{CoarseView, PosePrior};
+use crate::coarse::CoarseView;
 use crate::judge::{Suspects, suspects};
+use crate::prior::{PosePrior, PriorError};
 use crate::tuning::{
     BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS,
     LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
@@ -76,7 +77,13 @@ pub struct RefineOptions {
 ///
 /// The result does not depend on the order of the views. Their names tell which ones follow each
 /// other, as the poses of a camera that is carried drift from view to view.
-pub fn refine(views: &[CoarseView], options: &RefineOptions) -> PoseRefinement {
+///
+/// # Errors
+/// [`PriorError::OfAll`] if a number of the prior in the options is negative or not finite.
+pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Result<PoseRefinement, PriorError> {
+    if let Some(prior) = options.prior.filter(|prior| !prior.is_sound()) {
+        return Err(PriorError::OfAll(prior));
+    }
     // Sums depend on their order, so the views are taken in an order of their own.
     let mut order: Vec<usize> = (0..views.len()).collect();
     order.sort_by_cached_key(|k| views.get(*k).map(CoarseView::rank));
@@ -85,7 +92,7 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> PoseRefinement {
     let mut poses: Vec<_> = order.into_iter().zip(refinement.poses).collect();
     poses.sort_by_key(|(k, _)| *k);
     refinement.poses = poses.into_iter().map(|(_, pose)| pose).collect();
-    refinement
+    Ok(refinement)
 }
 
 fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefinement {
@@ -161,7 +168,7 @@ impl<'a> Rounds<'a> {
         };
         let own: Vec<PosePrior> = scene.views.iter().filter_map(|view| view.prior()).collect();
         let all_own = own.first().filter(|_| own.len() == given.len()).copied();
-        let stated = options.prior.filter(PosePrior::is_sound).or(all_own);
+        let stated = options.prior.or(all_own);
         let prior = stated.unwrap_or(first);
         let first = own.iter().fold(prior, |a, b| PosePrior {
             rotation: a.rotation.max(b.rotation),

@@ -1,6 +1,6 @@
 //! Small motions of views, and the distances between poses.
 
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use nalgebra::{UnitQuaternion, Vector6};
 use transect_device::Isometry3;
 

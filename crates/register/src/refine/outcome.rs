@@ -6,7 +6,7 @@ use super::motion::{Motion, motion_between};
 use super::pairs::{Pair, Sample, Spread, State};
 use super::solve::System;
 use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_at};
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use crate::tuning::{
     FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS, SAMPLING_ROUGH,
 };

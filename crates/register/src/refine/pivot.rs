@@ -19,7 +19,7 @@
 
 use super::motion::Motion;
 use super::pairs::Scene;
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use nalgebra::{DMatrix, Matrix6};
 use transect_device::{Isometry3, Vector3};
 

@@ -14,7 +14,7 @@ use super::drift::Drift;
 use super::motion::{Motion, sizes};
 use super::pairs::Portion;
 use super::pivot::Pivots;
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use nalgebra::{
     Cholesky, DMatrix, DVector, DVectorViewMut, Dyn, Matrix3, Matrix6, Matrix6xX, Vector6,
 };

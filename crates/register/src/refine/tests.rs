@@ -62,8 +62,9 @@ fn a_motion_within_the_noise_is_not_far_off() {
     let prior = |size: f64| Some(PosePrior { rotation: size, translation: size });
     let sizes = [1e-9, 1e-5, 1e-9, 1e-9];
     let copies = depth_camera().into_iter().zip(sizes);
-    let copies: Vec<CoarseView> =
-        copies.map(|(view, size)| CoarseView::new(&view).with_prior(prior(size))).collect();
+    let copies: Vec<CoarseView> = copies
+        .map(|(view, size)| CoarseView::new(&view).with_prior(prior(size)).unwrap())
+        .collect();
     let views: Vec<&CoarseView> = copies.iter().collect();
     let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
     let scene = scene(views, &given);

@@ -17,7 +17,7 @@ use super::Rounds;
 use super::motion::Motion;
 use super::pairs::Sample;
 use super::solve::{System, about};
-use crate::coarse::PosePrior;
+use crate::prior::PosePrior;
 use crate::tuning::MOTION_POINTS;
 use nalgebra::{Matrix3x6, Matrix6};
 use transect_device::{Isometry3, Point3, Vector3};

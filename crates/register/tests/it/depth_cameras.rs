@@ -36,7 +36,8 @@ fn the_error_of_a_depth_camera_is_found_with_the_poses() {
         view.with_image(image).unwrap()
     });
     let views: Vec<View> = distorted.collect();
-    let refinement = refine(&coarse(&shaken(&views, 0.2, 0.004)), &RefineOptions::default());
+    let refinement =
+        refine(&coarse(&shaken(&views, 0.2, 0.004)), &RefineOptions::default()).unwrap();
     let found = refinement.poses[0].depth_offsets.as_ref().unwrap();
     assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
     let size = views[0].image().size();
@@ -67,7 +68,7 @@ fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
     for (factor, degrees, length) in [(1.006, 0.0, 0.0), (1.035, 0.0, 0.0), (1.006, 0.2, 0.1)] {
         let views = with_depths_times(&sound, factor);
         let wrong = shaken(&views, degrees, length);
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         let found = refinement.poses[0].depth_offsets.as_ref().unwrap();
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
@@ -85,7 +86,7 @@ fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
 fn no_scale_is_found_where_images_stay() {
     let views = with_depths_times(&simulated("machined_part", ""), 1.006);
     let options = RefineOptions { images_stay: true, ..RefineOptions::default() };
-    let refinement = refine(&coarse(&views), &options);
+    let refinement = refine(&coarse(&views), &options).unwrap();
     let scales = refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
     assert!(scales.into_iter().all(|offsets| offsets.scale() == 1.0));
 }
@@ -117,7 +118,7 @@ fn wrong_focal_lengths_of_a_depth_camera_are_told_and_nothing_moves() {
         for (factors, images_stay) in [([0.98, 0.98], false), ([1.02, 1.0], true)] {
             let views = shaken(&with_focal_lengths_times(sound, factors), degrees, length);
             let options = RefineOptions { images_stay, ..RefineOptions::default() };
-            let refinement = refine(&coarse(&views), &options);
+            let refinement = refine(&coarse(&views), &options).unwrap();
             let found = refinement.focal_over_true.unwrap();
             println!("{found:?} of {factors:?}");
             let off = found.iter().zip(&factors).map(|(a, b)| (a - b).abs());
@@ -131,7 +132,8 @@ fn wrong_focal_lengths_of_a_depth_camera_are_told_and_nothing_moves() {
 
 #[test]
 fn a_sound_camera_has_no_offsets() {
-    let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());
+    let refinement =
+        refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default()).unwrap();
     assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()));
 }
 
@@ -210,7 +212,7 @@ fn folds_that_noise_hides_tell_no_scale() {
     let views = folded_sheet();
     for (degrees, length) in [(0.0, 0.0), (0.05, 0.15), (-0.05, 0.15)] {
         let wrong = shaken(&views, degrees, length);
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
         println!("{before} to {after} mm");
@@ -252,7 +254,7 @@ fn one_wrong_view_of_few_is_no_wrong_scale() {
         let mut wrong = in_a_room(count);
         let off = Isometry3::translation(0.02, 0.0, 0.0) * wrong[1].world_from_sensor();
         wrong[1] = wrong[1].with_pose(off).unwrap();
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         let scales = refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
         assert!(scales.map(DepthOffsets::scale).all(|scale| scale == 1.0), "{refinement:?}");
     }
@@ -303,7 +305,7 @@ fn where_walls_light_each_other(most: f64, reach: f64) -> Vec<View> {
 fn depths_that_walls_lengthen_tell_no_focal_length() {
     for (most, reach) in [(0.045, 0.5), (0.06, 0.4)] {
         let views = where_walls_light_each_other(most, reach);
-        let refinement = refine(&coarse(&views), &RefineOptions::default());
+        let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
         assert_eq!(refinement.focal_over_true, None, "{most} {reach}");
         assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_some()));
     }

@@ -4,6 +4,7 @@
 mod common;
 mod depth_cameras;
 mod judging;
+mod priors;
 mod readings;
 mod refining;
 mod thin_things;

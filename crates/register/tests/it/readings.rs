@@ -6,21 +6,21 @@ use crate::common::{
 };
 use proptest::prelude::*;
 use transect_device::{ImageOrder, Isometry3, Vector3, View};
-use transect_register::{CoarseView, Explanation, PoseReading, Reading, explain};
+use transect_register::{CoarseView, FoundReading, PoseReading, Reading, find_reading};
 
 /// What explains views whose images have one order only.
-fn explained(views: &[View]) -> Option<Explanation> {
-    explain(&coarse(views), None, |_| None)
+fn explained(views: &[View]) -> Option<FoundReading> {
+    find_reading(&coarse(views), None, |_| None)
 }
 
 /// What explains files that are read as they are.
-fn explained_files(files: &[Stored]) -> Option<Explanation> {
+fn explained_files(files: &[Stored]) -> Option<FoundReading> {
     let copies = |files: Vec<Stored>| -> Option<Vec<CoarseView>> {
         let copy = |file: &Stored| Some(CoarseView::new(&file.read()?));
         files.iter().map(copy).collect()
     };
     let reread = |order| copies(files.iter().map(|file| file.in_order(order)).collect());
-    explain(&copies(files.to_vec()).unwrap(), None, reread)
+    find_reading(&copies(files.to_vec()).unwrap(), None, reread)
 }
 
 /// Files that hold their pixels in another order are explained by it.
@@ -134,7 +134,7 @@ fn few_views_of_a_ball_need_no_other_reading() {
 
 /// What explains views whose positions are `factor` times too large: distances that are as much
 /// larger.
-fn explained_at(views: &[View], factor: f64) -> Option<Explanation> {
+fn explained_at(views: &[View], factor: f64) -> Option<FoundReading> {
     let spread = |v: &View| {
         let mut pose = *v.world_from_sensor();
         pose.translation.vector *= factor;

@@ -40,7 +40,7 @@ pub fn apart(views: &[View], poses: &[Isometry3]) -> f64 {
 }
 
 fn refined(views: &[View]) -> Vec<Isometry3> {
-    let refinement = refine(&coarse(views), &RefineOptions::default());
+    let refinement = refine(&coarse(views), &RefineOptions::default()).unwrap();
     refinement.poses.iter().map(|p| p.world_from_sensor).collect()
 }
 
@@ -52,7 +52,7 @@ pub fn given(views: &[View]) -> Vec<Isometry3> {
 fn exact_poses_stay() {
     for scene in ["room", "face_mask", "machined_part", "tunnel"] {
         let views = simulated(scene, "");
-        let refinement = refine(&coarse(&views), &RefineOptions::default());
+        let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
         for (view, pose) in views.iter().zip(&refinement.poses) {
             let noise = view.sigma().unwrap_or(0.0).max(1e-4);
             assert!(pose.translation < 0.1 * noise, "{scene} {}: {pose:?}", view.name());
@@ -123,7 +123,7 @@ fn a_view_far_off_is_brought_back() {
     for (k, degrees) in [(0, 3.0), (1, 10.0), (3, -10.0)] {
         let mut wrong = views.clone();
         wrong[k] = turned(&views[k], 1, degrees);
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
         assert!(after < 0.02 * before, "view {k} by {degrees}: {before} to {after}");
@@ -140,23 +140,24 @@ fn a_view_of_another_place_stays_and_is_told() {
     let mut views = simulated("room", "");
     let away = Isometry3::translation(100.0, 0.0, 0.0) * views[2].world_from_sensor();
     views[2] = views[2].with_pose(away).unwrap();
-    let refinement = refine(&coarse(&views), &RefineOptions::default());
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
     assert_eq!(refinement.poses[2].outcome, PoseOutcome::Alone);
     assert_eq!(refinement.poses[2].world_from_sensor, away);
     // The other views' small errors say nothing about it. What was stated of all does.
     assert_eq!(refinement.poses[2].sigma, None);
     assert!(refinement.poses[1].sigma.is_some());
     let prior = Some(PosePrior { rotation: 0.01, translation: 0.05 });
-    let stated = refine(&coarse(&views), &RefineOptions { prior, ..RefineOptions::default() });
+    let stated =
+        refine(&coarse(&views), &RefineOptions { prior, ..RefineOptions::default() }).unwrap();
     assert_eq!((stated.poses[2].outcome, stated.poses[2].sigma), (PoseOutcome::Alone, prior));
-    assert!(refine(&[], &RefineOptions::default()).poses.is_empty());
+    assert!(refine(&[], &RefineOptions::default()).unwrap().poses.is_empty());
 }
 
 /// Exact images leave errors of nothing but rounding, which must not spoil the equations.
 #[test]
 fn errors_of_poses_shrink_without_noise() {
     let views = simulated_with_noise("machined_part", |noise| *noise = Noise::default());
-    let refinement = refine(&coarse(&shaken(&views, 0.1, 0.1)), &RefineOptions::default());
+    let refinement = refine(&coarse(&shaken(&views, 0.1, 0.1)), &RefineOptions::default()).unwrap();
     assert!(refinement.poses.iter().all(|pose| pose.has_moved()), "{:?}", refinement.poses[0]);
 }
 
@@ -176,27 +177,10 @@ fn a_view_of_another_place_stays_among_many_that_err_alike() {
     views = shaken(&views, 0.1, 0.005);
     let away = Isometry3::translation(100.0, 0.0, 0.0) * views[9].world_from_sensor();
     views[9] = views[9].with_pose(away).unwrap();
-    let refinement = refine(&coarse(&views), &RefineOptions::default());
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
     assert!(refinement.poses[8].has_moved());
     assert_eq!(refinement.poses[9].outcome, PoseOutcome::Alone);
     assert_eq!(refinement.poses[9].world_from_sensor, away);
-}
-
-#[test]
-fn a_stated_prior_holds_the_poses() {
-    let views = shaken(&simulated("room", ""), 0.3, 0.005);
-    let options = RefineOptions {
-        prior: Some(PosePrior { rotation: 1e-7, translation: 1e-7 }),
-        ..RefineOptions::default()
-    };
-    let refinement = refine(&coarse(&views), &options);
-    assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
-    let estimated = refine(&coarse(&views), &RefineOptions::default());
-    for wrong in [f64::NAN, f64::INFINITY, -0.1] {
-        let prior = Some(PosePrior { rotation: 0.01, translation: wrong });
-        let options = RefineOptions { prior, ..RefineOptions::default() };
-        assert_eq!(refine(&coarse(&views), &options).prior, estimated.prior, "{wrong}");
-    }
 }
 
 /// The rigid motion that takes points to others best (Kabsch, 1976).
@@ -251,7 +235,7 @@ fn errors_are_as_large_as_their_standard_deviations() {
         for (seed, degrees) in [(0, 0.02), (100, 0.1), (200, -0.3), (300, 0.1), (400, -0.02)] {
             let views = simulated_with_seed(scene, seed);
             let wrong = shaken(&views, degrees, unit * degrees);
-            let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+            let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
             let found = errors_over_sigma(&views, &refinement);
             ratios.iter_mut().zip(found).for_each(|(all, found)| all.extend(found));
         }
@@ -297,7 +281,7 @@ fn a_view_brought_back_in_part_says_how_far_it_may_be_off() {
     let off =
         Isometry3::translation(0.25, 0.0, 0.0) * turned(&exact[1], 1, 5.0).world_from_sensor();
     wrong[1] = exact[1].with_pose(off).unwrap();
-    let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+    let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
     let pose = &refinement.poses[1];
     assert!(pose.has_moved() && pose.residual_after < pose.residual_before, "{pose:?}");
     let left = pose.world_from_sensor.translation.x - exact[1].world_from_sensor().translation.x;
@@ -313,12 +297,12 @@ fn two_views_and_chains_are_judged_by_halves_of_their_images() {
     for pair in [[0, 1], [1, 2], [2, 3]] {
         let exact = pair.map(|k| views[k].clone());
         let wrong = shaken(&exact, 0.3, 0.005);
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         assert!(refinement.left_out_pairs.unwrap() < -0.5, "{pair:?}: {refinement:?}");
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&exact, &given(&wrong)), apart(&exact, &poses));
         assert!(after < before, "{pair:?}: {before} to {after}");
-        let refinement = refine(&coarse(&exact), &RefineOptions::default());
+        let refinement = refine(&coarse(&exact), &RefineOptions::default()).unwrap();
         assert!(refinement.left_out_pairs.is_some());
         assert!(refinement.poses.iter().all(|p| !p.has_moved()), "{pair:?}: {refinement:?}");
     }
@@ -351,7 +335,7 @@ fn a_chain_of_views_is_judged_by_halves_of_its_pairs() {
         let turn = turned(&exact[end], 1, 0.3);
         let moved = Isometry3::translation(0.003, -0.004, 0.005) * turn.world_from_sensor();
         wrong[end] = exact[end].with_pose(moved).unwrap();
-        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&exact, &given(&wrong)), apart(&exact, &poses));
         assert!(refinement.left_out_pairs.unwrap() < -0.5, "end {end}: {refinement:?}");
@@ -365,7 +349,7 @@ fn exact_poses_of_two_stations_stay_in_every_draw_of_noise() {
         let views = simulated_with_seed("room", seed);
         for pair in [[0, 1], [1, 2], [2, 3], [0, 3]] {
             let exact = pair.map(|k| views[k].clone());
-            let refinement = refine(&coarse(&exact), &RefineOptions::default());
+            let refinement = refine(&coarse(&exact), &RefineOptions::default()).unwrap();
             let moved = refinement.poses.iter().any(|pose| pose.has_moved());
             assert!(!moved, "{pair:?} with seed {seed}: {refinement:?}");
         }
@@ -377,35 +361,16 @@ fn refined_poses_are_not_refined_again() {
     for (scene, length) in [("room", 0.005), ("machined_part", 0.2)] {
         let wrong = shaken(&simulated(scene, ""), 0.2, length);
         let copies: Vec<CoarseView> = coarse(&wrong);
-        let first = refine(&copies, &RefineOptions::default());
+        let first = refine(&copies, &RefineOptions::default()).unwrap();
         assert!(first.poses.iter().all(|pose| pose.outcome == PoseOutcome::Refined));
         let poses = first.poses.iter().map(|pose| pose.world_from_sensor);
         let copies: Vec<_> =
             copies.into_iter().zip(poses).map(|(copy, pose)| copy.with_pose(pose)).collect();
-        let second = refine(&copies, &RefineOptions::default());
+        let second = refine(&copies, &RefineOptions::default()).unwrap();
         for (copy, pose) in copies.iter().zip(&second.poses) {
             assert_eq!(pose.outcome, PoseOutcome::Kept, "{scene}: {pose:?}");
             assert_eq!(pose.world_from_sensor, *copy.world_from_sensor());
         }
-    }
-}
-
-#[test]
-fn views_whose_own_priors_are_small_hold_the_others() {
-    let exact = simulated("room", "");
-    let mut views = shaken(&exact, 0.3, 0.005);
-    views[2] = exact[2].clone();
-    let own = Some(PosePrior { rotation: 1e-7, translation: 1e-7 });
-    let priors = [None, None, own, None];
-    let copies = coarse(&views).into_iter().zip(priors);
-    let copies: Vec<_> = copies.map(|(copy, prior)| copy.with_prior(prior)).collect();
-    let refinement = refine(&copies, &RefineOptions::default());
-    assert!(refinement.poses[2].translation < 1e-4, "{:?}", refinement.poses[2]);
-    // No common motion is left: the view that was right tells where the others are.
-    for (view, pose) in exact.iter().zip(&refinement.poses) {
-        let off = view.world_from_sensor().inverse() * pose.world_from_sensor;
-        let off = (off.translation.vector.norm(), off.rotation.angle());
-        assert!(off.0 < 2e-3 && off.1 < 1e-4, "{}: {off:?}", view.name());
     }
 }
 
@@ -438,7 +403,8 @@ fn perturbed_poses_of_a_turntable_scan_come_back() {
         let refinement = refine(
             &coarse(views),
             &RefineOptions { prior: Some(free), ..RefineOptions::default() },
-        );
+        )
+        .unwrap();
         refinement.poses.iter().map(|p| p.world_from_sensor).collect()
     };
     let (one, other) = (shaken(&views, 0.3, 0.0005), shaken(&views, -0.3, 0.0005));

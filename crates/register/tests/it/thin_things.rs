@@ -60,7 +60,7 @@ fn sound_views_around_thin_things_are_not_misplaced() {
         for nearness in [0.9, 1.0, 1.1] {
             let views = views(0.05 * f64::from(start), nearness);
             let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
-            let poses = refine(&copies, &RefineOptions::default()).poses;
+            let poses = refine(&copies, &RefineOptions::default()).unwrap().poses;
             let misplaced = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Misplaced);
             let misplaced: Vec<&str> = misplaced.map(|pose| &*pose.view).collect();
             assert!(misplaced.is_empty(), "{start} {nearness}: {misplaced:?}");

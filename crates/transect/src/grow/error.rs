@@ -14,7 +14,7 @@ pub enum GrowError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The settings in the store cannot be read.
-    #[error("the store cannot grow: {0}")]
+    #[error("the store cannot grow")]
     Settings(#[from] SettingsError),
     /// The store was made with another unit, other planes or other options.
     #[error(

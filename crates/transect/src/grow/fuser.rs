@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError, RwLock};
 use transect_geometry::{Curve, PlaneIndex};
-use transect_model::store::{Fuse, PlaneInputs, ViewCopy, ViewEntry, ViewId};
+use transect_model::store::{Fuse, PlaneInputs, ViewCopy, ViewDescription, ViewId};
 
 /// Fuses planes in parallel with the setup's method, and keeps the counts.
 pub(super) struct Fuser<'a> {
@@ -37,7 +37,7 @@ impl<'a> Fuser<'a> {
 }
 
 impl Fuse for Fuser<'_> {
-    fn meet(&self, view: &ViewEntry, copy: Option<ViewCopy>) {
+    fn meet(&self, view: &ViewDescription, copy: Option<ViewCopy>) {
         let kept = copy.filter(|_| self.setup.free_space).as_ref().and_then(KeptImage::read);
         let mut witnesses = self.witnesses.write().unwrap_or_else(PoisonError::into_inner);
         match kept.and_then(KeptImage::free_space) {

@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use transect_device::Isometry3;
     use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide};
-    use transect_model::store::{Store, StoreHeader, ViewEntry};
+    use transect_model::store::{Store, StoreHeader, ViewDescription};
 
     #[test]
     fn of_many_views_the_nearest_to_new_ones_are_judged() {
@@ -96,7 +96,7 @@ mod tests {
         };
         let store = Store::create(folder.path().join("many.transect"), &header).unwrap();
         for k in 0..MOST_JUDGED + 50 {
-            let entry = ViewEntry {
+            let entry = ViewDescription {
                 id: format!("{k:03}").as_str().into(),
                 name: String::new(),
                 sensor: String::new(),

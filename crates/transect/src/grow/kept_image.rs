@@ -6,7 +6,7 @@
 use super::GrowError;
 use serde::{Deserialize, Serialize};
 use transect_device::{Isometry3, View};
-use transect_model::store::{Snapshot, ViewCopy, ViewEntry};
+use transect_model::store::{Snapshot, ViewCopy, ViewDescription};
 use transect_register::{CoarseView, FreeSpace, StoredCopy};
 
 /// The pose that registration put in place of a given one. The order of the fields is the layout in
@@ -55,7 +55,7 @@ impl KeptImage {
 /// A stored copy, and the pose that its view was given if another program has not moved it since.
 pub(super) fn read_copy(
     snapshot: &Snapshot,
-    entry: &ViewEntry,
+    entry: &ViewDescription,
 ) -> Result<Option<(StoredCopy, Isometry3)>, GrowError> {
     let (copy, pose) = (snapshot.copy(entry)?, entry.world_from_sensor);
     Ok(copy.as_ref().and_then(KeptImage::read).map(|KeptImage { copy, moved, .. }| {
@@ -65,7 +65,10 @@ pub(super) fn read_copy(
 }
 
 /// The pose that a view was given, which registration may have changed.
-pub(super) fn given_pose(snapshot: &Snapshot, entry: &ViewEntry) -> Result<Isometry3, GrowError> {
+pub(super) fn given_pose(
+    snapshot: &Snapshot,
+    entry: &ViewDescription,
+) -> Result<Isometry3, GrowError> {
     Ok(read_copy(snapshot, entry)?.map_or(entry.world_from_sensor, |(_, given)| given))
 }
 

@@ -47,7 +47,7 @@ use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{
-    Snapshot, Store, StoreError, StoredView, ViewCopy, ViewEntry, ViewId, ViewReplacement,
+    Snapshot, Store, StoreError, StoredView, ViewCopy, ViewDescription, ViewId, ViewReplacement,
 };
 
 /// The result of adding views.
@@ -120,7 +120,7 @@ enum Looked {
 
 /// A view on its way into the store.
 struct NewView {
-    entry: ViewEntry,
+    entry: ViewDescription,
     /// By which its pose is compared with those of other views.
     copy: Option<ViewCopy>,
     view: ModelledView<Vec<Curve>>,
@@ -368,7 +368,7 @@ impl<'a> Grower<'a> {
         given: Option<&Isometry3>,
     ) -> Result<NewView, GrowError> {
         let loaded = &timed.loaded;
-        let entry = ViewEntry {
+        let entry = ViewDescription {
             id: source.id().into(),
             name: source.name().to_owned(),
             sensor: loaded.view.frame().kind().to_owned(),
@@ -452,7 +452,7 @@ fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, 
 /// makes none.
 fn difference(
     snapshot: &Snapshot,
-    there: &ViewEntry,
+    there: &ViewDescription,
     here: &LoadedView,
 ) -> Result<Option<&'static str>, GrowError> {
     if there.source_hash != fingerprint(&here.view) {

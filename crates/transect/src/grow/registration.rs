@@ -13,7 +13,7 @@ use super::{GrowError, Grower, InPlace};
 use crate::fingerprint::fingerprint;
 use crate::{LoadedView, PoseReport, Posed, Report, SourceError, ViewSource, Watch};
 use transect_device::{ImageOrder, Isometry3, Note};
-use transect_model::store::{StoredView, ViewEntry};
+use transect_model::store::{StoredView, ViewDescription};
 use transect_register::{PosePrior, RefineOptions, RefinedPose};
 
 impl Grower<'_> {
@@ -71,7 +71,7 @@ impl Grower<'_> {
 /// The source of a stored view, which must still have the image of the store.
 struct Stored<'a, S> {
     source: &'a S,
-    entry: ViewEntry,
+    entry: ViewDescription,
     /// The pose that the view was given.
     given: Isometry3,
 }

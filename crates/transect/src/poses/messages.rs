@@ -5,7 +5,7 @@ use crate::evaluate::digits;
 use transect_device::{DepthOffsets, ImageOrder, Note};
 use transect_geometry::LengthUnit;
 use transect_register::{
-    Explanation, Finding, Motion, PoseOutcome, PoseReading, PoseRefinement, Reading, RefinedPose,
+    Finding, FoundReading, Motion, PoseOutcome, PoseReading, PoseRefinement, Reading, RefinedPose,
 };
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
@@ -111,11 +111,11 @@ impl PoseReport {
 
     /// The warning that another convention explains the contradictions.
     pub fn misread(&self) -> Option<String> {
-        self.explanation.as_ref().map(|explanation| self.convention(explanation))
+        self.found_reading.as_ref().map(|found| self.convention(found))
     }
 
-    fn convention(&self, explanation: &Explanation) -> String {
-        let Explanation { reading, given, read } = explanation;
+    fn convention(&self, found: &FoundReading) -> String {
+        let FoundReading { reading, given, read } = found;
         let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
         let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
         let advice = match (self.in_store, reading) {

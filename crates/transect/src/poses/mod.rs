@@ -5,7 +5,8 @@
 //!
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
-//!    agree under another convention, and images in another order, are recognised ([`explain`]).
+//!    agree under another convention, and images in another order, are recognised
+//!    ([`find_reading`]).
 //! 2. The poses are refined together ([`refine`]), if that is asked for.
 //!    Poses that need another reading even then stay as given.
 //! 3. What still contradicts is found ([`judge`]).
@@ -21,8 +22,8 @@ use serde::Serialize;
 use transect_device::{ImageOrder, View};
 use transect_geometry::LengthUnit;
 use transect_register::{
-    CoarseView, Explanation, Finding, Judgement, PoseRefinement, RefineOptions, RefinedPose,
-    StatedPoses, explain, judge, refine,
+    CoarseView, Finding, FoundReading, Judgement, PoseRefinement, RefineOptions, RefinedPose,
+    StatedPoses, find_reading, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -32,8 +33,8 @@ pub struct PoseReport {
     /// The unit of its lengths.
     pub unit: LengthUnit,
     /// Another reading of the poses or images under which the views agree, where they contradict.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub explanation: Option<Explanation>,
+    #[serde(rename = "explanation", skip_serializing_if = "Option::is_none")]
+    pub found_reading: Option<FoundReading>,
     /// The contradictions at the refined poses, or at the given ones if they were kept.
     pub judgement: Judgement,
     /// The refined poses; `None` if the given ones were kept, as those are that another convention
@@ -48,7 +49,8 @@ pub struct PoseReport {
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
 ///
 /// # Errors
-/// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
+/// [`ReconstructError`] names the first view, in the given order, that cannot be loaded or whose
+/// prior cannot be used.
 fn coarse_views<S: ViewSource>(
     sources: &[S],
     watch: &dyn Watch,
@@ -61,10 +63,9 @@ fn coarse_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let copied = TimedView::load(source)
-            .map(|timed| CoarseView::new(&timed.loaded.view).with_prior(source.pose_prior()));
+        let copied = TimedView::load(source).map(|timed| CoarseView::new(&timed.loaded.view));
         watch.step(Stage::Poses);
-        copied
+        Ok(copied?.with_prior(source.pose_prior())?)
     };
     let copies: Vec<Result<CoarseView, _>> = sources.par_iter().map(copy).collect();
     copies.into_iter().collect()
@@ -93,7 +94,8 @@ impl PoseReport {
     /// Judges the poses of views, after refining them if there are options for that.
     ///
     /// # Errors
-    /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
+    /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded or
+    /// whose prior cannot be used. It is also an error if the prior in the options cannot be used.
     pub fn new<S: ViewSource>(
         sources: &[S],
         options: Option<&RefineOptions>,
@@ -103,8 +105,8 @@ impl PoseReport {
         let mut copies = coarse_views(sources, watch)?;
         let again = |order| reread(sources, order, CoarseView::new);
         let stated = stated(sources);
-        let mut explanation = explain(&copies, stated.as_ref(), again);
-        let mut refinement = options.map(|options| refine(&copies, options));
+        let mut found_reading = find_reading(&copies, stated.as_ref(), again);
+        let mut refinement = options.map(|options| refine(&copies, options)).transpose()?;
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
             let refined = |(copy, pose): (CoarseView, &RefinedPose)| {
@@ -118,21 +120,21 @@ impl PoseReport {
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         let mut judgement = judge(&copies);
-        if let (Some(_), Some(found)) = (&refinement, &explanation) {
+        if let (Some(_), Some(found)) = (&refinement, &found_reading) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
-            let again = explain(&copies, stated.as_ref(), again);
+            let again = find_reading(&copies, stated.as_ref(), again);
             // An object that moved contradicts at right poses, too.
             let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
             if again.is_none() && agree && found.is_matched_by(&copies) {
-                explanation = None;
+                found_reading = None;
             } else {
-                explanation = again.or(explanation);
+                found_reading = again.or(found_reading);
                 (refinement, copies) = (None, coarse_views(sources, watch)?);
                 judgement = judge(&copies);
             }
         }
-        Ok(Self { unit, explanation, judgement, refinement, in_store: false })
+        Ok(Self { unit, found_reading, judgement, refinement, in_store: false })
     }
 
     /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
@@ -143,14 +145,14 @@ impl PoseReport {
         reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
         unit: LengthUnit,
     ) -> Self {
-        let explanation = explain(&copies, stated, reread);
+        let found_reading = find_reading(&copies, stated, reread);
         let judgement = judge(&copies);
-        Self { unit, explanation, judgement, refinement: None, in_store: false }
+        Self { unit, found_reading, judgement, refinement: None, in_store: false }
     }
 
     /// Whether anything contradicts.
     pub fn is_doubtful(&self) -> bool {
-        self.explanation.is_some() || !self.judgement.findings.is_empty()
+        self.found_reading.is_some() || !self.judgement.findings.is_empty()
     }
 
     /// The views at their refined poses, without the errors of their depth cameras; none if the

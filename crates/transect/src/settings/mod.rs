@@ -38,7 +38,7 @@ pub enum SettingsError {
         tool: String,
     },
     /// The record has a field that this program does not know, or a value of the wrong type.
-    #[error("its settings, made by {tool}, cannot be used: {source}")]
+    #[error("its settings, made by {tool}, cannot be used")]
     Record {
         /// The program that made the store.
         tool: String,

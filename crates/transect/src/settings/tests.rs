@@ -1,4 +1,5 @@
 use super::*;
+use std::error::Error as _;
 use transect_fusion::PairwiseOptions;
 use transect_geometry::{CurvedGuide, LengthUnit, PlaneFamily, Point3, StraightGuide, Vector3};
 use transect_partial::dissertation::DissertationOptions;
@@ -70,7 +71,11 @@ fn absent_fields_have_their_defaults() {
 
 #[test]
 fn what_a_newer_program_wrote_is_refused_by_name() {
-    let refused = |text| Setup::of_store(&with_options(text)).unwrap_err().to_string();
+    let refused = |text| {
+        let error = Setup::of_store(&with_options(text)).unwrap_err();
+        let cause = error.source().map_or(String::new(), ToString::to_string);
+        format!("{error}: {cause}")
+    };
     let text = refused(r#"{"version":1,"partial":{"one_pass":{"sharpen":true}}}"#);
     assert!(text.contains("unknown field `sharpen`") && text.contains("transect 0."), "{text}");
     let text = refused(r#"{"version":1,"colour":3}"#);

@@ -8,7 +8,7 @@ use transect::{Setup, Unwatched, reconstruct};
 use transect_device::{ImageSize, Isometry3, Pixel, View};
 use transect_geometry::{LengthUnit, PlaneFamily, Point3, StraightGuide, Vector3};
 use transect_model::Model;
-use transect_model::gaps::{FreeSpace, NextViewOptions, UnseenPatch, next_views};
+use transect_model::gaps::{KnownSpace, NextViewOptions, UnseenPatch, next_views};
 use transect_scene::{Description, Noise, Scene};
 use transect_sensors::{AngularScan, ImagingRadar};
 
@@ -58,7 +58,7 @@ fn the_proposed_view_closes_more_than_most_places_would() {
         Description::parse(include_str!("../../../../fixtures/room.scene.toml")).unwrap().scene();
     let first = scan(&scene, Point3::new(0.4, 0.4, 1.4));
     let patches = unseen(&model(std::slice::from_ref(&first)));
-    let space = FreeSpace::from_rays(&rays(&first)).unwrap();
+    let space = KnownSpace::from_rays(&rays(&first)).unwrap();
     let options = NextViewOptions::new(3, 1.3, 8.0);
     let views = next_views(&patches, &space, &options);
     assert!(!views.is_empty());

@@ -262,8 +262,8 @@ fn a_failing_source_is_named_with_its_reason() {
     assert_eq!(error.to_string(), "the scan has no views");
 }
 
-/// A view whose pose is known.
-struct Known(View);
+/// A view whose source states how far its pose may be wrong.
+struct Known(View, PosePrior);
 
 impl ViewSource for Known {
     fn name(&self) -> &str {
@@ -271,7 +271,7 @@ impl ViewSource for Known {
     }
 
     fn pose_prior(&self) -> Option<PosePrior> {
-        Some(PosePrior { rotation: 1e-9, translation: 1e-9 })
+        Some(self.1)
     }
 
     fn load(&self) -> Result<LoadedView, SourceError> {
@@ -288,11 +288,22 @@ fn sources_that_stand_elsewhere_and_at_other_poses_stay_what_they_are() {
         views.iter().map(|view| Box::new(view.clone()) as Box<dyn ViewSource>).collect();
     assert!(curves(&reconstruct(&some, &setup(), &Unwatched).unwrap()) == model);
     assert!(curves(&reconstruct(&of_all_kinds, &setup(), &Unwatched).unwrap()) == model);
-    let known = Known(views[0].clone());
+    let known = Known(views[0].clone(), PosePrior { rotation: 1e-9, translation: 1e-9 });
     let pose = Isometry3::translation(1.0, 0.0, 0.0);
     let posed = Posed { source: &known, pose, depth_offsets: None };
     assert_eq!(posed.pose_prior(), known.pose_prior());
     assert_eq!(*posed.load().unwrap().view.world_from_sensor(), pose);
+}
+
+#[test]
+fn a_source_with_a_prior_that_is_no_number_is_named() {
+    let wrong = PosePrior { rotation: f64::NAN, translation: 1e-9 };
+    let sources = [Known(noisy_views().swap_remove(0), wrong)];
+    let mut setup = setup();
+    setup.refine_poses = Some(Default::default());
+    let error = reconstruct(&sources, &setup, &Unwatched).map(drop).unwrap_err().to_string();
+    let view = format!("view {}: its pose has a standard deviation of NaN rad", sources[0].name());
+    assert!(error.starts_with(&view), "{error}");
 }
 
 #[test]

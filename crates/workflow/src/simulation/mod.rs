@@ -59,14 +59,15 @@ pub fn describe(scene: &Path) -> Result<Description, WorkflowError> {
         None => read_text(scene)?,
     };
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let names = Description::mesh_names(&text).map_err(|e| WorkflowError::file(scene, e))?;
+    let unusable = || WorkflowError::unusable(scene, "the scene cannot be used");
+    let names = Description::mesh_names(&text).map_err(unusable())?;
     let mut meshes = BTreeMap::new();
     for name in names {
         let TriangleMesh { vertices, faces } = read_mesh(&folder.join(&name))?.mesh;
         meshes.insert(name, Mesh { vertices, faces });
     }
     let description = Description::parse_with_meshes(&text, &meshes);
-    description.map_err(|e| WorkflowError::file(scene, e))
+    description.map_err(unusable())
 }
 
 /// A scene that is ready for sensors.
@@ -183,8 +184,8 @@ impl PreparedScene {
                     views.push(view);
                 }
                 Err(CastError::View(ViewError::NoValidPixel)) => blind.push(placed.name),
-                Err(e) => {
-                    return Err(WorkflowError::Simulation(format!("view {}: {e}", placed.name)));
+                Err(source) => {
+                    return Err(WorkflowError::SimulatedView { view: placed.name, source });
                 }
             }
         }

@@ -118,7 +118,7 @@ pub fn errors(scene: &PreparedScene, views: &[View], setup: &Setup) -> Result<[f
 /// The views at refined poses.
 pub fn at_refined_poses(views: &[View]) -> Result<Vec<View>, Failure> {
     let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
-    let poses = refine(&copies, &RefineOptions::default()).poses;
+    let poses = refine(&copies, &RefineOptions::default())?.poses;
     let pairs = views.iter().zip(poses);
     let views: Result<Vec<View>, _> =
         pairs.map(|(view, pose)| view.with_pose(pose.world_from_sensor)).collect();

@@ -1,6 +1,6 @@
 //! Room 2: from many observations to few nodes, each at its best place.
 //!
-//! Groups → thinned [`Cluster`]s → [`PlacedNode`]s, which are handed on.
+//! Groups → thinned [`Cluster`](cluster::Cluster)s → [`PlacedNode`]s, which are handed on.
 
 mod cluster;
 mod fit;

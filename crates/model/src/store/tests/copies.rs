@@ -13,7 +13,7 @@ fn a_copy_of_another_image_is_none() {
     let snapshot = store.read().unwrap();
     assert_eq!(snapshot.copy(&entry("a")).unwrap(), Some(copy("a")));
     assert_eq!(snapshot.copy(&entry("b")).unwrap(), None);
-    let replaced = ViewEntry { source_hash: "another".to_owned(), ..entry("a") };
+    let replaced = ViewDescription { source_hash: "another".to_owned(), ..entry("a") };
     assert_eq!(snapshot.copy(&replaced).unwrap(), None);
     drop(snapshot);
     store.remove_view(&"a".into(), &fuse).unwrap();

@@ -61,7 +61,7 @@ proptest! {
         let (_, store) = memory_store();
         add(&store, "first", &more).unwrap();
         let pose = Isometry3::rotation(Vector3::from(angle));
-        let view = ViewEntry { world_from_sensor: pose, sigma: None, ..entry(&format!("{id} second")) };
+        let view = ViewDescription { world_from_sensor: pose, sigma: None, ..entry(&format!("{id} second")) };
         let mut view = store.begin_view(view).unwrap();
         // `fuse` would overflow the largest coordinates.
         let untouched = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
@@ -75,7 +75,7 @@ proptest! {
 fn sample() -> String {
     let (_, store) = memory_store();
     let triangle = vec![polyline(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.1)], true)];
-    let entry = ViewEntry { world_from_sensor: Isometry3::identity(), ..entry("a") };
+    let entry = ViewDescription { world_from_sensor: Isometry3::identity(), ..entry("a") };
     let mut view = store.begin_view(entry).unwrap();
     view.set_copy(&ViewCopy(vec![0, 0x1f, 0xff])).unwrap();
     let same = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();

@@ -23,8 +23,8 @@ fn header() -> StoreHeader {
     StoreHeader { unit: LengthUnit::Millimetre, planes: family(), options, tool }
 }
 
-fn entry(id: &str) -> ViewEntry {
-    ViewEntry {
+fn entry(id: &str) -> ViewDescription {
+    ViewDescription {
         id: id.into(),
         name: format!("view {id}"),
         sensor: "pinhole".to_owned(),
@@ -315,7 +315,7 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     let text = missing.to_string();
     assert!(text.starts_with("the model store ") && text.ends_with(" has no view \"z\""), "{text}");
     assert!(std::error::Error::source(&missing).is_none(), "its text holds all");
-    let lost = ViewEntry { sigma: Some(f64::NAN), ..entry("b") };
+    let lost = ViewDescription { sigma: Some(f64::NAN), ..entry("b") };
     let lost = store.begin_view(lost).unwrap_err();
     assert!(matches!(lost.problem, StoreProblem::Invariant(_)), "{lost}");
     assert!(lost.to_string().ends_with(" would be invalid"), "{lost}");

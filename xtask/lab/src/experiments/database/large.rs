@@ -14,7 +14,7 @@ use transect_geometry::{
     Curve, CurveError, Isometry3, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, Point3,
     StraightGuide, Vector3,
 };
-use transect_model::store::{SpaceQuery, Store, StoreHeader, ViewEntry, ViewId};
+use transect_model::store::{SpaceQuery, Store, StoreHeader, ViewDescription, ViewId};
 use transect_workflow::peak_memory_mib as peak_mib;
 
 const PLANES_PER_VIEW: i64 = 40;
@@ -45,9 +45,9 @@ fn header() -> Result<StoreHeader, Failure> {
     Ok(StoreHeader { unit: LengthUnit::Metre, planes, options, tool })
 }
 
-fn entry(view: i64) -> ViewEntry {
+fn entry(view: i64) -> ViewDescription {
     let id = format!("{view:06}");
-    ViewEntry {
+    ViewDescription {
         name: id.clone(),
         source: String::new(),
         id: ViewId(id),

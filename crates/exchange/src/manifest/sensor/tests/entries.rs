@@ -164,17 +164,18 @@ fn keys_of_another_sensor_are_told() {
     }
 }
 
+/// Each error names its view, and has the text beside it.
+fn assert_named(errors: &[(String, &str)]) {
+    for (error, wanted) in errors {
+        assert!(error.contains("view 0 (image.npy): ") && error.contains(wanted), "{error}");
+    }
+}
+
 #[test]
-fn what_is_missing_or_wrong_names_its_key() {
+fn what_is_missing_or_wrong_in_a_light_stripe_names_its_key() {
     let stripe = |more: &str| read(&format!("{STRIPE}, {more}")).unwrap_err();
-    let table = |from: &str, to: &str| {
-        assert!(TABLE.contains(from));
-        read(&TABLE.replace(from, to)).unwrap_err()
-    };
-    let camera = r#""sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0, "cy": 0"#;
-    let pinhole = |more: &str| read(&format!("{camera}, {more}")).unwrap_err();
     let steps = r#""theta0": 1, "dtheta": 0.1"#;
-    for (error, wanted) in [
+    assert_named(&[
         (stripe(r#""theta0": 1"#), "no \"dtheta\"; it must be a number of radians, unless"),
         (
             stripe(r#""theta_laser": 3"#),
@@ -193,6 +194,16 @@ fn what_is_missing_or_wrong_names_its_key() {
             read(&STRIPE.replace("494", "-1")).unwrap_err(),
             "\"camera_rows\": invalid value: integer `-1`, expected usize",
         ),
+    ]);
+}
+
+#[test]
+fn what_is_missing_or_wrong_in_a_lookup_table_names_its_key() {
+    let table = |from: &str, to: &str| {
+        assert!(TABLE.contains(from));
+        read(&TABLE.replace(from, to)).unwrap_err()
+    };
+    assert_named(&[
         (table("\"yz\"", "\"xy\""), "\"mounting\": unknown variant `xy`, expected `xz` or `yz`"),
         (table(r#", "mounting": "yz""#, ""), "missing field `mounting`"),
         (
@@ -215,6 +226,14 @@ fn what_is_missing_or_wrong_names_its_key() {
             table("\"y0\"", "\"receiver\": [0], \"y0\""),
             "\"receiver\": invalid length 1, expected an array of length 2",
         ),
+    ]);
+}
+
+#[test]
+fn what_is_missing_or_wrong_in_a_pinhole_names_its_key() {
+    let camera = r#""sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0, "cy": 0"#;
+    let pinhole = |more: &str| read(&format!("{camera}, {more}")).unwrap_err();
+    assert_named(&[
         (
             pinhole(r#""holds": "disparity""#),
             "\"holds\": unknown variant `disparity`, expected `depth` or",
@@ -227,7 +246,5 @@ fn what_is_missing_or_wrong_names_its_key() {
             pinhole(r#""distortion": [0, 0, 0, 0, null]"#),
             "\"distortion\": invalid type: null, expected f64",
         ),
-    ] {
-        assert!(error.contains("view 0 (image.npy): ") && error.contains(wanted), "{error}");
-    }
+    ]);
 }

@@ -11,7 +11,7 @@ use crate::judge::pair::{Placing, Probe};
 use std::fmt;
 use transect_device::{ImageOrder, Isometry3, Vector3};
 
-/// Share of agreeing patches, and of contradicting ones, with which poses need no explanation. No
+/// Share of agreeing patches, and of contradicting ones, with which poses need no other reading. No
 /// unit. Measured on the bundled scenes and on real scans: sound poses have 0.6 and 0.05. Doubled,
 /// the first never holds, and the second lets wrong readings of a symmetric room pass.
 const SOUND: [f64; 2] = [0.5, 0.1];
@@ -103,7 +103,7 @@ pub struct StatedPoses {
 
 /// A reading under which the views agree.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Explanation {
+pub struct FoundReading {
     /// The reading.
     pub reading: Reading,
     /// How far the views agree at the poses as given.
@@ -112,7 +112,7 @@ pub struct Explanation {
     pub read: Accord,
 }
 
-impl Explanation {
+impl FoundReading {
     /// Whether views that have been refined agree about as well as under the reading. If they do
     /// not, the refinement did not find what the reading explains.
     pub fn is_matched_by(&self, refined: &[CoarseView]) -> bool {
@@ -131,11 +131,11 @@ impl Explanation {
 ///
 /// `reread` makes copies of all views whose images are read in another order; `None` where the
 /// sensors have one order only. It is called only where the views contradict each other.
-pub fn explain(
+pub fn find_reading(
     views: &[CoarseView],
     stated: Option<&StatedPoses>,
     reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
-) -> Option<Explanation> {
+) -> Option<FoundReading> {
     let all: Vec<&CoarseView> = views.iter().collect();
     let probes = probes_of(&all);
     let given = accord(&all, &probes, Placing::given);
@@ -162,7 +162,7 @@ pub fn explain(
         if next.1.score() > factor * best.1.score() { next } else { best }
     };
     let best = readings.reduce(better);
-    best.map(|(reading, read)| Explanation { reading, given, read })
+    best.map(|(reading, read)| FoundReading { reading, given, read })
 }
 
 /// How far the views agree under each reading of their poses. A reading that the user gave is left

@@ -28,14 +28,14 @@ pub enum Cell {
 
 /// The parts of space that rays crossed.
 #[derive(Debug, Clone)]
-pub struct FreeSpace {
+pub struct KnownSpace {
     low: Point3,
     size: f64,
     counts: [usize; 3],
     cells: Vec<Cell>,
 }
 
-impl FreeSpace {
+impl KnownSpace {
     /// The space of rays, each from a sensor to the surface point that it saw, in world
     /// coordinates.
     ///
@@ -181,10 +181,10 @@ mod tests {
     }
 
     /// A sensor at the origin sees a wall at x = 10.
-    fn wall() -> FreeSpace {
+    fn wall() -> KnownSpace {
         let wall = (-40..=40).flat_map(|y| (-40..=40).map(move |z| (y, z)));
         let seen = wall.map(|(y, z)| point(10.0, f64::from(y) * 0.1, f64::from(z) * 0.1));
-        FreeSpace::from_rays(&seen.map(|p| (Point3::origin(), p)).collect::<Vec<_>>()).unwrap()
+        KnownSpace::from_rays(&seen.map(|p| (Point3::origin(), p)).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
@@ -215,9 +215,9 @@ mod tests {
     #[test]
     fn rays_that_are_no_numbers_are_left_out() {
         let nan = point(f64::NAN, 0.0, 0.0);
-        assert!(FreeSpace::from_rays(&[(nan, Point3::origin())]).is_none());
-        assert!(FreeSpace::from_rays(&[(Point3::origin(), Point3::origin())]).is_none());
-        assert!(FreeSpace::from_rays(&[]).is_none());
+        assert!(KnownSpace::from_rays(&[(nan, Point3::origin())]).is_none());
+        assert!(KnownSpace::from_rays(&[(Point3::origin(), Point3::origin())]).is_none());
+        assert!(KnownSpace::from_rays(&[]).is_none());
     }
 
     proptest! {
@@ -229,7 +229,7 @@ mod tests {
             to in prop::array::uniform3(0.0..10.0),
         ) {
             let corners = (point(0.0, 0.0, 0.0), point(10.0, 10.0, 10.0));
-            let space = FreeSpace::from_rays(&[corners]).unwrap();
+            let space = KnownSpace::from_rays(&[corners]).unwrap();
             let (from, to) = (Point3::from(from), Point3::from(to));
             let mut walked = Vec::new();
             space.walk(&from, &to, |_, number| { walked.push(number); true });

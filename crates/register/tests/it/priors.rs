@@ -1,0 +1,55 @@
+//! Priors: how far poses may be wrong, as the user or the views state it.
+
+use super::common::{coarse, simulated};
+use super::refining::shaken;
+use transect_register::{PosePrior, RefineOptions, refine};
+
+#[test]
+fn a_stated_prior_holds_the_poses() {
+    let views = shaken(&simulated("room", ""), 0.3, 0.005);
+    let options = RefineOptions {
+        prior: Some(PosePrior { rotation: 1e-7, translation: 1e-7 }),
+        ..RefineOptions::default()
+    };
+    let refinement = refine(&coarse(&views), &options).unwrap();
+    assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
+}
+
+#[test]
+fn views_whose_own_priors_are_small_hold_the_others() {
+    let exact = simulated("room", "");
+    let mut views = shaken(&exact, 0.3, 0.005);
+    views[2] = exact[2].clone();
+    let own = Some(PosePrior { rotation: 1e-7, translation: 1e-7 });
+    let priors = [None, None, own, None];
+    let copies = coarse(&views).into_iter().zip(priors);
+    let copies: Vec<_> = copies.map(|(copy, prior)| copy.with_prior(prior).unwrap()).collect();
+    let refinement = refine(&copies, &RefineOptions::default()).unwrap();
+    assert!(refinement.poses[2].translation < 1e-4, "{:?}", refinement.poses[2]);
+    // No common motion is left: the view that was right tells where the others are.
+    for (view, pose) in exact.iter().zip(&refinement.poses) {
+        let off = view.world_from_sensor().inverse() * pose.world_from_sensor;
+        let off = (off.translation.vector.norm(), off.rotation.angle());
+        assert!(off.0 < 2e-3 && off.1 < 1e-4, "{}: {off:?}", view.name());
+    }
+}
+
+#[test]
+fn a_prior_that_is_no_standard_deviation_is_an_error() {
+    let copies = coarse(&simulated("room", "")[..1]);
+    for (wrong, found) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (-0.1, "-0.1")] {
+        for (prior, found) in [
+            (PosePrior { rotation: 0.01, translation: wrong }, format!("0.01 rad and of {found}")),
+            (PosePrior { rotation: wrong, translation: 0.02 }, format!("{found} rad and of 0.02")),
+        ] {
+            let of_view = copies[0].clone().with_prior(Some(prior)).unwrap_err().to_string();
+            let name = format!("view {}: ", copies[0].name());
+            let expected = "expected finite numbers of 0 or more";
+            assert!(of_view.starts_with(&name) && of_view.contains(expected), "{of_view}");
+            assert!(of_view.contains(&found), "{of_view}");
+            let options = RefineOptions { prior: Some(prior), ..RefineOptions::default() };
+            let of_all = refine(&copies, &options).unwrap_err().to_string();
+            assert!(of_all.contains(&found) && of_all.contains(expected), "{of_all}");
+        }
+    }
+}
