@@ -5,8 +5,8 @@
 //!
 //! **Steps.**
 //! 1. The image is divided into square cells, at most [`CELLS`] of them.
-//! 2. Each cell keeps its nearest and farthest sample along its middle ray, and the [`Patch`]
-//!    through its samples if they are one smooth surface.
+//! 2. Each cell keeps its nearest and farthest sample along one of its rays, and the [`Patch`]
+//!    through its samples if they are one smooth surface; see `sampled.rs`.
 //! 3. A point is looked up by the device frame's inverse. Point grids have none; there, the cell
 //!    whose ray passes the point is found from the samples, see `by_points.rs`.
 
@@ -14,17 +14,19 @@ mod by_points;
 mod lattice;
 mod names;
 mod patch;
+mod sampled;
 mod stored;
 
 pub use patch::Patch;
 pub use stored::StoredCopy;
 
 use crate::prior::{PosePrior, PriorError};
-use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
+use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, QUICK_CELLS};
 use by_points::ByPoints;
 use lattice::{Lattice, Place};
 use names::with_long_numbers;
 use patch::StoredPatch;
+use sampled::{Sampled, Sampling};
 use std::sync::Arc;
 use transect_device::{
     DepthOffsets, DeviceFrame, DevicePoint, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View,
@@ -75,14 +77,6 @@ struct Seen {
     farthest: f32,
     /// Whether nearly every pixel has a sample; see [`LEAST_WHOLE`].
     whole: bool,
-}
-
-/// The same before it is stored.
-#[derive(Debug, Clone, Copy)]
-struct Sampled {
-    seen: Seen,
-    ray: Ray,
-    patch: Option<Patch>,
 }
 
 /// Where a point lies, as a view sees it along the ray through the point.
@@ -137,11 +131,9 @@ impl CoarseView {
         let (step, full) = (step_of(cells), step_of(CELLS));
         let stride = stride(step);
         let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
-        let noise = RangeNoise::of_pixels(view);
-        let cell = |k: usize| {
-            let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
-            Sampled::new(view, (&noise, folds), corner, (step, stride))
-        };
+        let sampling = Sampling { view, noise: RangeNoise::of_pixels(view), step, stride, folds };
+        let corner = |k: usize| Pixel::new(k / size.cols * step, k % size.cols * step);
+        let cell = |k: usize| Sampled::new(&sampling, corner(k));
         // On one thread: views are copied side by side, and a thread that waits for a part of its
         // view would begin another one.
         let cells: Vec<Option<Sampled>> = (0..size.pixels()).map(cell).collect();
@@ -160,7 +152,7 @@ impl CoarseView {
             share: (full as f64 / step as f64).powi(2),
             cells: (0..cells.len()).map(stored).collect(),
             lookup: Lookup::new(view, &cells, size.cols),
-            sigma: noise.length(),
+            sigma: sampling.noise.length(),
             prior: None,
         }
     }
@@ -413,51 +405,6 @@ fn steadied(
     let mut steadied = *patch(k)?;
     steadied.steady(around.filter(|other| *other != k).filter_map(patch));
     Some(steadied)
-}
-
-impl Sampled {
-    /// The cell from a corner on, of a side and a distance between pixels that are taken.
-    fn new(
-        view: &View,
-        (noise, folds): (&RangeNoise, bool),
-        corner: Pixel,
-        (step, stride): (usize, usize),
-    ) -> Option<Self> {
-        let (image, frame) = (view.image(), view.frame());
-        let size = image.size();
-        let (rows, cols) = ((corner.row + step).min(size.rows), (corner.col + step).min(size.cols));
-        let pixels = (rows - corner.row).div_ceil(stride) * (cols - corner.col).div_ceil(stride);
-        let mut samples = Vec::with_capacity(pixels);
-        let middle = Pixel::new((corner.row + rows) / 2, (corner.col + cols) / 2);
-        let (mut central, mut rim): (Option<(usize, Pixel)>, _) = (None, (0, middle));
-        let in_row = |r| (corner.col..cols).step_by(stride).map(move |c| Pixel::new(r, c));
-        for pixel in (corner.row..rows).step_by(stride).flat_map(in_row) {
-            let Some(point) = view.point_in_sensor(pixel) else { continue };
-            samples.push(point);
-            let off = pixel.row.abs_diff(middle.row) + pixel.col.abs_diff(middle.col);
-            if central.is_none_or(|(best, _)| off < best) {
-                central = Some((off, pixel));
-            }
-            if off >= rim.0 {
-                rim = (off, pixel);
-            }
-        }
-        let (_, pixel) = central?;
-        let (ray, rim) = (frame.ray(pixel)?, frame.ray(rim.1)?);
-        let depth = |p: &Point3| (p - ray.start).dot(&ray.direction);
-        let seen = Seen {
-            middle: ((pixel.row - corner.row) as u16, (pixel.col - corner.col) as u16),
-            nearest: (samples.iter().map(depth).fold(f64::INFINITY, f64::min) as f32).next_down(),
-            farthest: (samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max) as f32)
-                .next_up(),
-            whole: (samples.len() + 1) as f64 >= LEAST_WHOLE * pixels as f64,
-        };
-        let sigma = noise.length_at(view, pixel);
-        let median_sigma = noise.length();
-        let samples = &samples;
-        let cell = patch::Cell { samples, pixels, ray, rim, sigma, median_sigma, folds };
-        Some(Self { seen, ray, patch: Patch::fit(&cell) })
-    }
 }
 
 impl Lookup {

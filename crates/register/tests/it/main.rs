@@ -3,6 +3,7 @@
 
 mod common;
 mod depth_cameras;
+mod forest;
 mod judging;
 mod priors;
 mod readings;
