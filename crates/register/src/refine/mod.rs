@@ -124,6 +124,14 @@ fn scene<'a>(views: Vec<&'a CoarseView>, poses: &[Isometry3]) -> Scene<'a> {
     Scene { views, samples, origin }
 }
 
+/// How far poses may be off, before anything is known of them.
+fn usual_prior(distance: f64) -> PosePrior {
+    PosePrior {
+        rotation: FIRST_ROTATION_DEGREES.to_radians(),
+        translation: FIRST_TRANSLATION * distance,
+    }
+}
+
 /// The state of a refinement between its rounds.
 #[derive(Clone)]
 struct Rounds<'a> {
@@ -162,10 +170,7 @@ impl<'a> Rounds<'a> {
     ) -> Self {
         let samples = scene.samples.iter().flatten();
         let distance = median(samples.map(|s| s.in_sensor.coords.norm())).unwrap_or(1.0);
-        let first = PosePrior {
-            rotation: FIRST_ROTATION_DEGREES.to_radians(),
-            translation: FIRST_TRANSLATION * distance,
-        };
+        let first = usual_prior(distance);
         let own: Vec<PosePrior> = scene.views.iter().filter_map(|view| view.prior()).collect();
         let all_own = own.first().filter(|_| own.len() == given.len()).copied();
         let stated = options.prior.or(all_own);
