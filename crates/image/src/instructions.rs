@@ -15,8 +15,9 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    /// The level of `fearless_simd` that stands for them.
-    pub(crate) fn level(self) -> Level {
+    /// The level of `fearless_simd` that stands for them, for the inner loops of `transect-partial`.
+    #[doc(hidden)]
+    pub fn level(self) -> Level {
         match self {
             Self::Best => Level::new(),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -25,4 +25,7 @@ pub use instructions::Instructions;
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use noisy_view::NoisyView;
 pub use pair_rule::{PairTest, PairTests, padded};
+// Their types are those of a vector library, which other crates need not know.
+#[doc(hidden)]
+pub use pair_rule::{TestPairs, UniformTest};
 pub use prepared::PreparedView;

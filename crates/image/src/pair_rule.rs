@@ -36,24 +36,17 @@ impl PairTests {
     }
 }
 
-/// The test of one row: `|b · other − a · here| ≤ b · across + slack · √here`, where `a` is a
-/// sample and `b` its neighbour.
+/// The test of one row: `|b · other − a · here| ≤ b · across + slack · √here`.
 ///
-/// Each of the three factors `here`, `other` and `across` is the sum of a number of the row and one
-/// of the column. `across` holds the rule's tangent.
+/// Each of the three products is the sum of a number of the row and one of the column. `across`
+/// holds the rule's tangent.
 #[derive(Debug, Clone, Copy)]
 pub struct PairTest<'a> {
-    /// The row's part of `here`: the squared length of the sample's ray.
-    pub here: f32,
-    /// The row's part of `other`: the product of both rays.
-    pub other: f32,
-    /// The row's part of `across`: the distance between the rays, times the tangent.
-    pub across: f32,
-    /// The slack for noise, in the unit of the values.
-    pub slack: f32,
-    /// The columns' parts of `here`, `other` and `across`, in whole words of 64 columns; `None` for
-    /// zeros.
-    pub columns: Option<[&'a [f32]; 3]>,
+    here: f32,
+    other: f32,
+    across: f32,
+    slack: f32,
+    columns: Option<[&'a [f32]; 3]>,
 }
 
 impl PairTest<'_> {
@@ -61,13 +54,18 @@ impl PairTest<'_> {
     pub fn is_uniform(&self) -> bool {
         self.columns.is_none() && self.here == 1.0
     }
+}
 
+/// A test of pairs side by side.
+pub trait TestPairs<S: Simd>: Copy {
     /// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair;
     /// `column` is that of the first pair. A missing pixel is NaN, and its pairs are never joined.
-    ///
-    /// The sweep of `transect-partial` computes the same in its own inner loop.
+    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64;
+}
+
+impl<S: Simd> TestPairs<S> for PairTest<'_> {
     #[inline(always)]
-    pub(crate) fn holds<S: Simd>(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64 {
+    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64 {
         let of = |row: f32, table: usize| {
             let columns = self.columns.and_then(|c| c[table].get(column..column + S::f32s::LEN));
             columns.map_or(S::f32s::splat(simd, row), |c| S::f32s::from_slice(simd, c) + row)
@@ -76,6 +74,31 @@ impl PairTest<'_> {
         let along = (b * of(self.other, 1) - a * here).abs();
         let limit = b * of(self.across, 2);
         along.simd_le(limit + here.sqrt() * self.slack).to_bitmask()
+    }
+}
+
+/// The test of a row that [is uniform](PairTest::is_uniform), with fewer operations.
+#[derive(Debug, Clone, Copy)]
+pub struct UniformTest<S: Simd> {
+    other: S::f32s,
+    across: S::f32s,
+    slack: S::f32s,
+}
+
+impl<S: Simd> UniformTest<S> {
+    /// The same test as a uniform one of a row.
+    #[inline(always)]
+    pub fn new(simd: S, test: &PairTest<'_>) -> Self {
+        let [other, across, slack] =
+            [test.other, test.across, test.slack].map(|v| S::f32s::splat(simd, v));
+        Self { other, across, slack }
+    }
+}
+
+impl<S: Simd> TestPairs<S> for UniformTest<S> {
+    #[inline(always)]
+    fn holds(&self, _: S, a: S::f32s, b: S::f32s, _: usize) -> u64 {
+        (b * self.other - a).abs().simd_le(b * self.across + self.slack).to_bitmask()
     }
 }
 

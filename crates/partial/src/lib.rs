@@ -15,7 +15,6 @@ mod axes;
 mod continuation;
 pub mod dissertation;
 mod error;
-mod instructions;
 mod method;
 mod model;
 mod near_planes;

@@ -11,7 +11,6 @@
 //! `room_sph12_n01`. It takes no longer on the bunny, whose planes are as dense as its pixels.
 
 use crate::SectionAxes;
-use crate::instructions::level;
 use fearless_simd::{Simd, dispatch};
 use transect_device::{Vector3, View};
 use transect_image::Instructions;
@@ -36,7 +35,7 @@ pub fn near_planes(
         let [low, high] = &mut cells.ends;
         view.frame().form_row(&bounds.low, row, axes.level(), low);
         view.frame().form_row(&bounds.high, row, axes.level(), high);
-        dispatch!(level(with), simd => cells.find(simd, view.image().row(row), slack));
+        dispatch!(with.level(), simd => cells.find(simd, view.image().row(row), slack));
         cells.mark(row, &mut near);
     }
     near

@@ -1,6 +1,6 @@
 //! Which neighbouring samples belong to one surface, a row of the image at a time, one bit each.
 
-use crate::{BreakRule, PairTest, PairTests, length_per_value};
+use crate::{BreakRule, PairTests, TestPairs, length_per_value};
 use fearless_simd::{Simd, SimdBase};
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, RayProducts, View};
 
@@ -165,7 +165,12 @@ pub(super) fn is_set(words: &[u64], at: usize) -> bool {
 
 /// Compares samples with others, a word at a time.
 #[inline(always)]
-fn compare<S: Simd>(simd: S, test: PairTest<'_>, [here, other]: [&[f32]; 2], bits: &mut [u64]) {
+fn compare<S: Simd, T: TestPairs<S>>(
+    simd: S,
+    test: T,
+    [here, other]: [&[f32]; 2],
+    bits: &mut [u64],
+) {
     let lanes = S::f32s::LEN;
     for (word, bits) in bits.iter_mut().enumerate() {
         *bits = 0;

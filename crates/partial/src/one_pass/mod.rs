@@ -72,7 +72,6 @@ mod link;
 mod near_tangent;
 mod nodes;
 mod pair_line;
-mod pair_tests;
 mod part;
 mod refine;
 mod rows;

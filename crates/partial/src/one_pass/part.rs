@@ -12,7 +12,6 @@ use super::rows::{Row, columns};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
 use super::vertex::Vertex;
-use crate::instructions::level;
 use crate::{MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
@@ -49,7 +48,7 @@ impl Part {
         band_size: usize,
     ) -> Result<(), PartialError> {
         // All of it, since emission and linking gain from newer instructions, too.
-        dispatch!(level(instructions), simd => self.sweep_with(simd, source, rows, band_size))
+        dispatch!(instructions.level(), simd => self.sweep_with(simd, source, rows, band_size))
     }
 
     #[inline(always)]

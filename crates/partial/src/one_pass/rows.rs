@@ -8,11 +8,11 @@
 //! gives the same bits.
 
 use super::band::capacity_bytes;
-use super::pair_tests::{TestPairs, UniformTest};
 use super::source::Source;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry};
+use transect_image::{TestPairs, UniformTest};
 
 /// Places before column 0.
 pub(super) const PAD: usize = 16;

@@ -3,7 +3,6 @@
 use super::rows::{PAD, Row};
 use super::source::Source;
 use crate::SectionAxes;
-use crate::instructions::level;
 use transect_device::View;
 use transect_image::BreakRule;
 use transect_image::Instructions;
@@ -26,7 +25,7 @@ pub fn seen(view: &View, axes: &SectionAxes, rule: &BreakRule, with: Instruction
     above.fit(source.cols);
     row.fit(source.cols);
     for i in 0..source.rows {
-        fearless_simd::dispatch!(level(with), simd => row.read(simd, &source, i, &above));
+        fearless_simd::dispatch!(with.level(), simd => row.read(simd, &source, i, &above));
         let bits = |mask: &[u64]| {
             let bit = |j: usize| mask[j / 64] >> (j % 64) & 1 == 1;
             (0..source.cols).map(bit).collect::<Vec<bool>>()
