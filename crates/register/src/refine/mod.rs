@@ -369,8 +369,9 @@ impl<'a> Rounds<'a> {
             root = solution.root();
         }
         let variances = variances(&root, so_far.len()).into_iter().enumerate();
-        let sizes = variances.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
-        let poses = sizes.map(|size| size.amax()).filter(|_| !self.are_exact());
+        let free = variances.filter(|(k, _)| !self.is_exact(*k));
+        let sizes = free.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
+        let poses = sizes.map(|size| size.amax());
         let cameras = self.cameras.steps(&solution.unknowns, &root);
         let largest = poses.chain(cameras).fold(0.0, f64::max);
         // Momentum would carry settled views on.
@@ -379,10 +380,9 @@ impl<'a> Rounds<'a> {
         Some(largest)
     }
 
-    /// Whether the given poses are taken for exact: they hold the views where they are.
-    fn are_exact(&self) -> bool {
-        let known = (0..self.given.len()).any(|k| self.prior_of(k).is_some());
-        !known && self.prior.rotation < EXACT * self.first.rotation
+    /// Whether the given pose of a view is taken for exact: it holds the view where it is.
+    fn is_exact(&self, view: usize) -> bool {
+        self.prior_of(view).is_none() && self.prior.rotation < EXACT * self.first.rotation
     }
 
     /// Learns how large the errors of poses and cameras are, and how much views err alike.
