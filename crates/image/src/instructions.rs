@@ -15,7 +15,7 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    /// The level of `fearless_simd` that stands for them, for the inner loops of `transect-partial`.
+    /// The level of `fearless_simd` for the inner loops of this crate and of `transect-partial`.
     #[doc(hidden)]
     pub fn level(self) -> Level {
         match self {
