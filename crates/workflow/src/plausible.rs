@@ -281,10 +281,9 @@ impl Plausibility {
         Ok(Looked { kept: kept.into_iter().flatten().collect(), found })
     }
 
-    /// Checks that the sensors of a scan are near enough to each other to see one surface, and that
-    /// a camera that all of them share belongs to images of their size. Takes the pixel distance
-    /// with which every view is compared later from the looks, those at the views of
-    /// [`looked_numbers`].
+    /// Checks that the sensors of a scan are near enough to each other to see one surface. A camera
+    /// that all of them share must belong to images of their size. `looks` are those at the views
+    /// of [`looked_numbers`]; they tell the pixel distance with which every view is compared later.
     pub(crate) fn check_scan(&mut self, scan: &Scan, looks: &[Look]) -> Result<(), WorkflowError> {
         let spacings: Vec<f64> = looks.iter().filter_map(|look| look.spacing).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };

@@ -105,7 +105,7 @@ mod tests {
 
     /// A number between 0 and 1 for each place.
     fn chance(k: usize) -> f64 {
-        (k as f64 * 12.9898).sin().mul_add(43758.5453, 0.0).rem_euclid(1.0)
+        (43758.5453 * (k as f64 * 12.9898).sin()).rem_euclid(1.0)
     }
 
     /// A room as a scanner at a place sees it, column by column, from the floor up. `is_missing`

@@ -137,11 +137,11 @@ impl PtxView {
         let Header { size, scanner, .. } = self.header;
         let in_file = |k: usize| points.get(k % size.rows * size.cols + k / size.rows).copied();
         let valid = |k: usize| in_file(k).filter(|point| *point != Point3::origin());
+        let seen_from = |place: &Point3| counts::other_counts(size, place, valid);
         // Points in the world's frame are seen from the stated place.
-        let places = [Point3::origin(), scanner];
-        let [found, from_stated] =
-            places.map(|scanner| counts::other_counts(size, &scanner, valid));
-        let Some(found) = found.filter(|found| from_stated == Some(*found)) else { return Ok(()) };
+        let found = seen_from(&Point3::origin());
+        let found = found.filter(|found| seen_from(&scanner) == Some(*found));
+        let Some(found) = found else { return Ok(()) };
         let problem = format!(
             "{}: the lines state {} columns and {} rows, but the points turn back after every {} \
              points, where a column ends; expected {} columns and {} rows; correct this line and \

@@ -14,8 +14,8 @@
 //!    missing, and are counted.
 //! 2. The sweep, with rays and range jumps as the sensor has them. Neighbours whose stations differ
 //!    by more than their distance allows are broken, too: the guide comes near them twice.
-//! 3. Of each crossing, the point where the line between its two samples meets the plane, whose
-//!    frame gives the plane coordinates, and the directions that the node's errors come from.
+//! 3. Of each crossing, the point where the line between its two samples meets the plane. The
+//!    plane's frame gives its coordinates, and the directions that the node's errors come from.
 //!
 //! **Limits.** Within the guide's reach, stations of neighbouring samples are on the sides of a
 //! plane on which the samples are. Heights over a plane, for noise that is nearly tangent to it,

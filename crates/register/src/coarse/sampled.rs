@@ -11,9 +11,11 @@
 //! long as a part has [`LEAST_STEP`] pixels along its side. The depths are those of the whole cell,
 //! along the ray of its patch.
 //!
-//! Measured on scans of a forest, a ribbed tunnel and a wall with windows, refined: the poses err
-//! by 0.4 to 0.8 mm in the forest in place of 8 to 22, by 7 to 18 mm in the tunnel in place of 17
-//! to 22, and by as much as before at the wall.
+//! **Gain.** Errors of refined poses in mm, of three simulated scans each, without and with patches
+//! of parts:
+//! * a forest: 8 to 24 without, 0.4 to 0.8 with;
+//! * a ribbed tunnel: 17 to 22 without, 7 to 18 with;
+//! * a wall with windows: 14 to 20 without and with. Its jambs are two or three pixels wide.
 
 use super::Seen;
 use super::patch::{Cell, Patch};
@@ -37,8 +39,8 @@ pub(super) struct Sampling<'a> {
     pub step: usize,
     /// Distance between the pixels that are taken.
     pub stride: usize,
-    /// Whether what noise does not explain of the samples is an error of their patch. Only then
-    /// have cells patches of their parts: steps of shared noise would pass for surfaces.
+    /// Whether what noise does not explain of the samples is an error of their patch. Only then do
+    /// cells have patches of their parts: steps of shared noise would pass for surfaces.
     pub folds: bool,
 }
 

@@ -131,18 +131,16 @@ fn an_image_without_a_valid_pixel_names_its_file() {
 #[test]
 fn sixteen_bit_images_need_a_scale() {
     let folder = Folder::pinhole(r#", "depth_scale": 0.5"#);
-    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
-    let text = text.replace("a.npy", "a.png");
+    folder.replace("a.npy", "a.png");
     crate::test_data::write_png(&folder.path("a.png"), 2, &[0, 3, 65535, 8]);
-    std::fs::write(folder.path("scan.json"), &text).unwrap();
     let (view, notes) = folder.open().unwrap().views[0].load().unwrap();
     assert_eq!(view.image().extremes(), Some((1.5, 4.0)));
     assert_eq!(notes.len(), 1, "{notes:?}");
-    let unscaled = text.replace(r#", "depth_scale": 0.5"#, "");
-    std::fs::write(folder.path("scan.json"), unscaled).unwrap();
+    folder.replace(r#", "depth_scale": 0.5"#, "");
     assert!(folder.error().contains("add \"scale\": length units per count"), "{}", folder.error());
 }
 
+/// The image of 2 × 2 pixels, in every form that programs write.
 #[test]
 fn integers_halves_fortran_order_and_a_third_dimension_are_read() {
     let header = |descr: &str, fortran: &str, shape: &str| {
@@ -175,6 +173,7 @@ fn integers_halves_fortran_order_and_a_third_dimension_are_read() {
     assert!(folder.error().ends_with(wanted), "{}", folder.error());
 }
 
+/// Both forms of the key: for all views, and for one.
 #[test]
 fn stated_missing_values_are_missing() {
     let view = |more: &str| {
@@ -202,8 +201,7 @@ fn two_different_scales_are_refused() {
 #[test]
 fn damaged_png_images_are_refused() {
     let folder = Folder::pinhole(r#", "depth_scale": 0.5"#);
-    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
-    std::fs::write(folder.path("scan.json"), text.replace("a.npy", "a.png")).unwrap();
+    folder.replace("a.npy", "a.png");
     let counts: Vec<u16> = (0..400).collect();
     crate::test_data::write_png(&folder.path("a.png"), 20, &counts);
     let sound = std::fs::read(folder.path("a.png")).unwrap();
