@@ -15,6 +15,7 @@ mod judge;
 mod prior;
 mod readings;
 mod refine;
+mod scrambled;
 mod tuning;
 
 pub use coarse::{CoarseView, Patch, PatchMeeting, Sighting, StoredCopy};

@@ -51,6 +51,29 @@ pub const FOLDED: f64 = 3.72;
 /// are not misplaced. Doubled, shallow creases pass.
 pub const SAMPLING_ROUGH: f64 = 0.03;
 
+/// Largest distance of the neighbours of a facet, over that between samples. No unit. Theory: a
+/// neighbour along a diagonal is 1.41 of it away. Doubled, facets beside a jump reach across it.
+pub const FACET_REACH: f64 = 1.5;
+
+/// Largest noise of a facet's samples, over the distance between their rays. No unit. Theory: its
+/// normal errs by 20 degrees then, and twice as much is [`ALIKE_DEGREES`]. Doubled, noise
+/// passes for relief.
+pub const FACET_NOISE: f64 = 0.89;
+
+/// Fewest samples of a facet. No unit. Theory: two rows of three, as beside a jump. Doubled, there
+/// is none.
+pub const LEAST_IN_FACET: usize = 6;
+
+/// Most facets of a view that are looked up in another one. No unit. Chosen by hand. Measured on
+/// three scans of a wall with windows: with a quarter of them, poses err by up to twice as much.
+/// Doubled, the rounds of few views take longer.
+pub const FACETS: usize = 4096;
+
+/// Patches that are looked up for each facet, where their number is limited. No unit. Chosen by
+/// hand: facets count where patches tell nothing. At 1, the rounds of twelve views of parts take
+/// half as long again, and poses err as much. Doubled, few facets are left between many views.
+pub const FACETS_SHARE: usize = 4;
+
 /// Largest angle between the normals of two patches of one surface, in degrees. Chosen by hand:
 /// less than half a right angle keeps the sides of a corner apart, with room for a turned view.
 /// Doubled, patches around a corner meet.

@@ -6,11 +6,13 @@
 //! **Steps.**
 //! 1. The image is divided into square cells, at most [`CELLS`] of them.
 //! 2. Each cell keeps its nearest and farthest sample along one of its rays, and the [`Patch`]
-//!    through its samples if they are one smooth surface; see `sampled.rs`.
+//!    through its samples if they are one smooth surface; see `sampled.rs`. In a rough cell each
+//!    pixel keeps the plane through its neighbours; see `facets.rs`.
 //! 3. A point is looked up by the device frame's inverse. Point grids have none; there, the cell
 //!    whose ray passes the point is found from the samples, see `by_points.rs`.
 
 mod by_points;
+mod facets;
 mod lattice;
 mod names;
 mod patch;
@@ -23,6 +25,8 @@ pub use stored::StoredCopy;
 use crate::prior::{PosePrior, PriorError};
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, QUICK_CELLS};
 use by_points::ByPoints;
+pub(crate) use facets::FacetMeeting;
+use facets::Facets;
 use lattice::{Lattice, Place};
 use names::with_long_numbers;
 use patch::StoredPatch;
@@ -47,6 +51,8 @@ pub struct CoarseView {
     share: f64,
     /// Row-major.
     cells: Vec<Cell>,
+    /// Of rough cells. A store does not keep them.
+    facets: Facets,
     lookup: Lookup,
     sigma: f64,
     prior: Option<PosePrior>,
@@ -143,6 +149,10 @@ impl CoarseView {
             let patch = steadied(&cells, k, near).map(|patch| StoredPatch::new(&patch, &ray));
             Cell { seen: Some(seen), patch }
         };
+        let rough = |cell: &Option<Sampled>| folds && cell.as_ref().is_some_and(|cell| cell.rough);
+        let rough: Vec<bool> = cells.iter().map(rough).collect();
+        let middle = cells.iter().flatten().find_map(|cell| Some(cell.patch?.point()));
+        let facets = Facets::new(&sampling, size, middle.unwrap_or_else(Point3::origin), &rough);
         Self {
             name: view.name().to_owned(),
             world_from_sensor: *view.world_from_sensor(),
@@ -151,7 +161,8 @@ impl CoarseView {
             step,
             share: (full as f64 / step as f64).powi(2),
             cells: (0..cells.len()).map(stored).collect(),
-            lookup: Lookup::new(view, &cells, size.cols),
+            lookup: Lookup::new(view, &cells, &facets, size.cols),
+            facets,
             sigma: sampling.noise.length(),
             prior: None,
         }
@@ -163,6 +174,7 @@ impl CoarseView {
     }
 
     /// The same copy without the error of its depth camera, which hardly varies within a cell.
+    /// Without facets: those serve refinement alone, which finds that error.
     pub fn corrected(self, offsets: &DepthOffsets) -> Self {
         let size = self.size;
         let correct = |(k, cell): (usize, &Cell)| -> Option<Cell> {
@@ -179,7 +191,7 @@ impl CoarseView {
         };
         let cells = self.cells.iter().enumerate();
         let cells = cells.map(|cell| correct(cell).unwrap_or_default()).collect();
-        Self { cells, ..self }
+        Self { cells, facets: Facets::default(), ..self }
     }
 
     /// The same copy of a view whose scan states how far its pose may be wrong.
@@ -301,6 +313,11 @@ impl CoarseView {
         Some(PatchMeeting { cell, distance, normal: patch.steady_normal(), sigma })
     }
 
+    /// The facets of the cells without a smooth surface.
+    pub(crate) fn facets(&self) -> &Facets {
+        &self.facets
+    }
+
     /// A cell as it is kept.
     pub(crate) fn cell(&self, cell: usize) -> Option<Cell> {
         self.cells.get(cell).copied()
@@ -408,10 +425,12 @@ fn steadied(
 }
 
 impl Lookup {
-    fn new(view: &View, cells: &[Option<Sampled>], cols: usize) -> Self {
+    fn new(view: &View, cells: &[Option<Sampled>], facets: &Facets, cols: usize) -> Self {
         let frame = view.shared_frame();
         let point = |cell: &Option<Sampled>| Some(cell.as_ref()?.patch.as_ref()?.point());
-        let points = cells.iter().enumerate().filter_map(|(k, cell)| Some((k, point(cell)?)));
+        let points = cells.iter().enumerate();
+        let points =
+            points.filter_map(|(k, cell)| Some((k, point(cell).or_else(|| facets.middle(k))?)));
         let points: Vec<(usize, Point3)> = points.collect();
         if points.first().is_none_or(|(_, p)| frame.device_point(p).is_some()) {
             return Self::Inverse(frame);

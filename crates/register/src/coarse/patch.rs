@@ -117,7 +117,7 @@ impl StoredPatch {
 
 /// Root mean square of the departures of samples from a patch, over their noise, up to which noise
 /// explains them, with so many samples to spare: the quantile of χ² (Wilson and Hilferty, 1931).
-fn largest_rough(spare: f64) -> f64 {
+pub(super) fn largest_rough(spare: f64) -> f64 {
     let variance = 2.0 / (9.0 * spare);
     (1.0 - variance + FOLDED * variance.sqrt()).powi(3).sqrt()
 }
@@ -321,7 +321,7 @@ fn kept(number: f64) -> f64 {
 }
 
 /// Two directions across a ray's, and the ray's.
-fn axes(direction: &Vector3) -> Option<[Vector3; 3]> {
+pub(super) fn axes(direction: &Vector3) -> Option<[Vector3; 3]> {
     let first = direction.cross(&least_axis(direction)).try_normalize(0.0)?;
     Some([first, direction.cross(&first), *direction])
 }

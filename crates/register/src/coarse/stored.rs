@@ -7,6 +7,7 @@
 //! which points are looked up; see `lattice.rs`. Grids of points have no inverse, and need no
 //! lattice; see `by_points.rs`.
 
+use super::facets::Facets;
 use super::lattice::{Lattice, Starts};
 use super::patch::StoredPatch;
 use super::{ByPoints, Cell, CoarseView, Lookup, Seen};
@@ -97,6 +98,7 @@ impl StoredCopy {
             step: self.step,
             share: self.share,
             cells,
+            facets: Facets::default(),
             lookup,
             sigma: self.sigma,
             prior: None,

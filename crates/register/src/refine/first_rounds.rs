@@ -18,7 +18,8 @@
 //! **Limit.** Where all poses err, there is no tolerance. Measured on 24 such simulated scans: with
 //! one, lattices and plates erred by up to two thirds less, and cameras that drift by 5 % more.
 
-use super::pairs::{Observation, Spread, State};
+use super::observations::{Observation, Pieces, State};
+use super::pairs::Spread;
 use super::{Rounds, usual_prior};
 use crate::tuning::{EXACT, FIRST_TOLERANCE, GATE, NARROWING, OBSERVATIONS, SETTLING};
 
@@ -65,7 +66,8 @@ impl Rounds<'_> {
         let state = State { poses: &self.poses, cameras: &self.cameras };
         let pairs = self.observed(state, self.first, OBSERVATIONS / 4, Spread::Narrow);
         let within = |o: &&Observation| o.distance.powi(2) <= GATE.powi(2) * o.variance;
-        let counts = pairs.iter().map(|pair| pair.observations.iter().filter(within).count());
+        let patches = pairs.iter().filter(|pair| pair.of == Pieces::Patches);
+        let counts = patches.map(|pair| pair.observations.iter().filter(within).count());
         counts.sum::<usize>() as f64
     }
 }

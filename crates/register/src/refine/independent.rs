@@ -6,6 +6,7 @@
 //! **Idea.** Sums over blocks of an image vary more than sums of independent errors do (Kish,
 //! 1965).
 
+use super::observations::Pieces;
 use super::pairs::Pair;
 use crate::coarse::CoarseView;
 use crate::tuning::BLOCKS;
@@ -14,12 +15,13 @@ use rayon::prelude::*;
 /// The share of the observations that are independent. The pose of each view with observations has
 /// taken six numbers out of its blocks.
 pub(super) fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
+    let of_patches = || pairs.iter().filter(|pair| pair.of == Pieces::Patches);
     // The squares of a view's patches, of its blocks, and the number of its blocks.
     let of_view = |(b, view): (usize, &&CoarseView)| {
         let size = view.size();
         // Every patch is met by several others, all of which see its error: sum and number.
         let mut patches = vec![(0.0, 0.0); size.pixels()];
-        for pair in pairs.iter().filter(|pair| pair.b == b) {
+        for pair in of_patches().filter(|pair| pair.b == b) {
             for o in &pair.observations {
                 let Some(sum) = patches.get_mut(o.cells[1]) else { continue };
                 sum.0 += pair.weight(o).sqrt() * o.distance;

@@ -16,9 +16,10 @@
 //! off, and the pairs that were left out did not agree better with them.
 
 use super::Rounds;
-use super::pairs::{Pair, Portion, scrambled};
+use super::pairs::{Pair, Portion};
 use super::solve::System;
 use crate::CoarseView;
+use crate::scrambled::scrambled;
 use crate::tuning::PARTS;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -10,7 +10,7 @@
 //! 1992). Observations count as far as they are independent (Kish, 1965).
 //!
 //! **Steps.**
-//! 1. Pairs of views that overlap: `pairs.rs`.
+//! 1. Pairs of views that overlap (`pairs.rs`), and where they see one surface (`observations.rs`).
 //! 2. The poses settle under a loose prior: `first_rounds.rs`.
 //! 3. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
@@ -33,6 +33,7 @@ mod first_rounds;
 mod independent;
 mod left_out;
 mod motion;
+mod observations;
 mod outcome;
 mod pairs;
 mod pivot;
@@ -54,7 +55,8 @@ use drift::{Drift, Errors, estimated_prior};
 use independent::independent_share;
 use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
-use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
+use observations::{Pieces, Reach, Scene, State, facet_samples, samples};
+use pairs::{Pair, Portion, Spread};
 use pivot::Pivots;
 use rayon::prelude::*;
 use solve::{Before, Ground, Solution, System, variances};
@@ -121,7 +123,8 @@ fn scene<'a>(views: Vec<&'a CoarseView>, poses: &[Isometry3]) -> Scene<'a> {
     let places: Vec<Point3> = places.collect();
     let sum = places.iter().map(|p| p.coords).sum::<Vector3>();
     let origin = Point3::from(sum / places.len().max(1) as f64);
-    Scene { views, samples, origin }
+    let facets = views.iter().map(|view| facet_samples(view)).collect();
+    Scene { views, samples, facets, origin }
 }
 
 /// How far poses may be off, before anything is known of them.
@@ -341,7 +344,8 @@ impl<'a> Rounds<'a> {
     ) -> Vec<Pair> {
         // Gates of the prior alone would shrink with it. Patches beyond them could no longer show
         // that poses err, and the next prior would be smaller still.
-        let unexplained = median(self.pairs.iter().map(|pair| pair.excess)).unwrap_or(0.0);
+        let of_patches = self.pairs.iter().filter(|pair| pair.of == Pieces::Patches);
+        let unexplained = median(of_patches.map(|pair| pair.excess)).unwrap_or(0.0);
         let PosePrior { rotation, translation } = reach;
         let reach = Reach { rotation, translation, unexplained };
         // Views of one scene share about half of what they see.

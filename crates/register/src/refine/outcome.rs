@@ -3,7 +3,8 @@
 use super::Rounds;
 use super::common_motion::{OfView, common_motion};
 use super::motion::{Motion, motion_between};
-use super::pairs::{Pair, Sample, Spread, State};
+use super::observations::{Pieces, Sample, State};
+use super::pairs::{Pair, Spread};
 use super::solve::System;
 use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_at};
 use crate::prior::PosePrior;
@@ -317,7 +318,7 @@ fn middle(samples: &[Sample]) -> Point3 {
 /// both directions, and one view's patches lie in front of the other's surface.
 pub(super) fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
     let mut distances = vec![Vec::new(); views];
-    for pair in pairs {
+    for pair in pairs.iter().filter(|pair| pair.of == Pieces::Patches) {
         let found = pair.observations.iter().map(|o| o.distance).filter(|d| *d >= 0.0);
         for view in [pair.a, pair.b] {
             if let Some(list) = distances.get_mut(view) {

@@ -18,7 +18,7 @@
 //! shares around 0, and figures of 12 kitchens and rooms change by 1 % on average.
 
 use super::motion::Motion;
-use super::pairs::Scene;
+use super::observations::Scene;
 use crate::prior::PosePrior;
 use nalgebra::{DMatrix, Matrix6};
 use transect_device::{Isometry3, Vector3};

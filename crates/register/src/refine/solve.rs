@@ -322,8 +322,8 @@ pub fn about(offset: &Vector3) -> Matrix6<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pairs::scrambled;
     use super::*;
+    use crate::scrambled::scrambled;
 
     /// Patches of a floor and of a wall, whose normals err by `sigma` about each axis: the sum of
     /// what they say, and of what all directions would.

@@ -1,8 +1,9 @@
 //! Tests of the rounds of a refinement, before its result.
 
+use super::observations::{CameraSlopes, Observation};
 use super::outcome::medians;
-use super::pairs::{CameraSlopes, Observation, scrambled};
 use super::*;
+use crate::scrambled::scrambled;
 use crate::tuning::PARTNERS;
 use transect_device::{RangeImage, View};
 use transect_scene::{BUNDLED_SCENES, Description, Noise};
@@ -96,7 +97,8 @@ fn distances_change_with_the_errors_of_a_camera_as_their_slopes_say() {
             change[unknown] = error;
             rounds.cameras.change(&change.rows_range(..));
             rounds.observe(wide, OBSERVATIONS, Spread::Narrow);
-            rounds.pairs.clone()
+            let patches = rounds.pairs.iter().filter(|pair| pair.of == Pieces::Patches);
+            patches.cloned().collect::<Vec<Pair>>()
         };
         let (before, after) = (observed(0.0), observed(step));
         let (mut products, mut squares, mut count) = (0.0, 0.0, 0);
@@ -165,7 +167,8 @@ fn an_observation_represents_three_samples_at_most() {
     let state = State { poses: &given, cameras: &rounds.cameras };
     let reach = Reach { rotation: 0.01, translation: 0.03, unexplained: 0.0 };
     let shares = |most: usize| {
-        let pairs = scene.observe_all(&rounds.candidates, state, reach, most, Spread::Narrow);
+        let (of, pairs) = ((Pieces::Patches, most), &rounds.candidates);
+        let pairs = scene.observe_pieces(of, pairs, state, reach, Spread::Narrow);
         let shares = pairs.iter().flat_map(|pair| &pair.observations).map(|o| o.share);
         let shares: Vec<f64> = shares.collect();
         assert!(shares.len() > 100, "{} observations", shares.len());
@@ -181,7 +184,8 @@ fn an_observation_represents_three_samples_at_most() {
     // An observation that is alone in its cell counts three times.
     let two: Vec<(usize, usize)> =
         rounds.candidates.iter().copied().filter(|(a, b)| a.max(b) < &2).collect();
-    let pairs = scene.observe_all(&two, state, reach, tenth, Spread::Narrow);
+    let of = (Pieces::Patches, tenth);
+    let pairs = scene.observe_pieces(of, &two, state, reach, Spread::Narrow);
     let alone: Vec<_> = pairs.iter().flat_map(|pair| &pair.observations).collect();
     assert!(alone.len() > 100 && alone.iter().all(|o| o.share == 0.25), "{}", alone.len());
 }
@@ -297,6 +301,7 @@ fn what_a_surface_hides_is_no_residual() {
         arm: [0.0; 3],
     };
     let pair = |distances: &[f64]| Pair {
+        of: Pieces::Patches,
         a: 0,
         b: 1,
         observations: distances.iter().map(|d| observation(*d)).collect(),

@@ -15,7 +15,7 @@
 
 use super::Rounds;
 use super::motion::Motion;
-use super::pairs::Sample;
+use super::observations::Sample;
 use super::solve::{System, about};
 use crate::prior::PosePrior;
 use crate::tuning::MOTION_POINTS;

@@ -3,8 +3,8 @@
 
 mod common;
 mod depth_cameras;
-mod forest;
 mod judging;
+mod narrow_things;
 mod priors;
 mod readings;
 mod refining;

@@ -1,6 +1,7 @@
 //! Priors: how far poses may be wrong, as the user or the views state it.
 
 use super::common::{coarse, described, simulated};
+use super::narrow_things::street;
 use super::refining::shaken;
 use transect_register::{PosePrior, RefineOptions, refine};
 
@@ -54,34 +55,11 @@ fn a_prior_that_is_no_standard_deviation_is_an_error() {
     }
 }
 
-/// A wall with sills over a street, from three scanners that turn around.
-fn street() -> String {
-    let mut text = "name = \"street\"\nunit = \"m\"\n\
-        [planes]\nnormal = [0, 0, 1]\noffset = 1.3\ninterval = 0.5\n\
-        [noise]\nsigma = 0.003\nseed = 5\n\
-        [[solid]]\nname = \"street\"\nshape = \"box\"\nsize = [30, 40, 0.5]\nat = [10, 15, -0.25]\n\
-        [[solid]]\nname = \"wall\"\nshape = \"box\"\nsize = [0.5, 36, 12]\nat = [-0.25, 15, 6]\n"
-        .to_owned();
-    for k in 0..36 {
-        let (y, z) = (2.5 * f64::from(k % 12) + 1.2, 3.0 * f64::from(k / 12) + 2.0);
-        text += &format!(
-            "[[solid]]\nname = \"sill\"\nshape = \"box\"\nsize = [0.2, 1.2, 0.1]\nat = [0.1, {y}, {z}]\n"
-        );
-    }
-    for (k, [x, y]) in [[10.0, 4.0], [14.0, 15.0], [9.0, 26.0]].iter().enumerate() {
-        text += &format!(
-            "[[station]]\nname = \"{k}\"\nsensor = \"spherical\"\nrows = 600\ncols = 1200\n\
-             theta = [180, -179.7]\nphi = [60, -60]\nat = [{x}, {y}, 1.7]\nlook_at = [0, {y}, 1.7]\n"
-        );
-    }
-    text
-}
-
 /// Held by what is stated, poses stay away from the best fit, and patches beside each other err
 /// alike. They seemed to say too little to move anything.
 #[test]
 fn what_is_stated_of_poses_does_not_hold_them_where_images_tell_better() {
-    let views = described(&street());
+    let views = described(&street([0.2, 1.2, 0.1]));
     let wrong = shaken(&views, 0.06, 0.03);
     let prior = PosePrior { rotation: 0.03_f64.to_radians(), translation: 0.015 };
     let options = RefineOptions { prior: Some(prior), ..Default::default() };

@@ -304,7 +304,9 @@ fn two_views_and_chains_are_judged_by_halves_of_their_images() {
         assert!(after < before, "{pair:?}: {before} to {after}");
         let refinement = refine(&coarse(&exact), &RefineOptions::default()).unwrap();
         assert!(refinement.left_out_pairs.is_some());
-        assert!(refinement.poses.iter().all(|p| !p.has_moved()), "{pair:?}: {refinement:?}");
+        let noise = exact[0].sigma().unwrap();
+        let moved = refinement.poses.iter().map(|pose| pose.translation).fold(0.0, f64::max);
+        assert!(moved < 0.1 * noise, "{pair:?}: {refinement:?}");
     }
 }
 
