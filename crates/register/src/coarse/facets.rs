@@ -112,10 +112,14 @@ impl Facets {
         let side = sampling.step + 2;
         let point = |k: usize| sampling.point_beside(corner, [k / side, k % side]);
         let points: Vec<Option<Point3>> = (0..side * side).map(point).collect();
-        for (row, col) in (1..=sampling.step).flat_map(|r| (1..=sampling.step).map(move |c| (r, c)))
-        {
-            let pixel = Pixel::new(corner.row + row - 1, corner.col + col - 1);
-            let first = (row - 1) * side + col - 1;
+        let size = sampling.view.image().size();
+        let in_cell = (0..sampling.step.pow(2)).map(|k| (k / sampling.step, k % sampling.step));
+        for (row, col) in in_cell {
+            let pixel = Pixel::new(corner.row + row, corner.col + col);
+            if size.index(pixel).is_none() {
+                continue;
+            }
+            let first = row * side + col;
             let rows = [0, 1, 2].map(|row| &points[first + row * side..][..3]);
             if let Some((at, facet)) = facet(sampling, pixel, rows) {
                 let from_origin = (at - self.origin).map(|c| c as f32);
