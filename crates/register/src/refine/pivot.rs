@@ -6,9 +6,9 @@
 //! for a large displacement of every view. Views that nothing holds to each other along a direction
 //! are then displaced along it: those from above a prism and those from below it, for instance.
 //!
-//! **Idea.** On the line from the sensor to the middle of the surface that the view sees, there is
-//! a point, the pivot, where place and rotation err independently. The evidence tells which share
-//! of that line it is at, as it tells the size of the errors (Dempster, Laird and Rubin, 1977). An
+//! **Idea.** A view's pivot lies on the line from its sensor to the middle of the surface that it
+//! sees. About this point, place and rotation err independently. The evidence tells which share of
+//! the line it is at, as it tells the size of the errors (Dempster, Laird and Rubin, 1977). An
 //! error of the place displaces the surface as far as one of the rotation does: the closer the
 //! pivot is to the surface, the smaller the former.
 //!
