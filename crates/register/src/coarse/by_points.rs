@@ -2,7 +2,7 @@
 //!
 //! **Idea.** Neighbouring rays have nearly the same direction. The point is moved along the ray of
 //! the nearest patch to the depth of that patch. The nearest patch to the moved point is the next
-//! guess. It no longer changes after a few steps.
+//! guess. It no longer changes after a few steps. A facet stands for a cell without a patch.
 
 use rstar::{RTree, primitives::GeomWithData};
 use transect_device::{Point3, Ray, median};
@@ -23,8 +23,8 @@ pub(super) struct ByPoints {
 }
 
 impl ByPoints {
-    /// The points of the patches with the numbers of their cells, and the ray of every cell with a
-    /// sample. `cols` is the number of cells of a row.
+    /// The points of the patches, and of facets in cells without one, with the numbers of the
+    /// cells. The ray of every cell with a sample. `cols` is the number of cells of a row.
     pub(super) fn new(points: Vec<(usize, Point3)>, rays: Vec<Option<Ray>>, cols: usize) -> Self {
         let placed = points.into_iter().map(|(k, point)| GeomWithData::new(point.into(), k));
         let (openings, wraps) = (openings(&rays, cols), wraps(&rays, cols));

@@ -19,18 +19,20 @@
 //! **Departures.** All facets of a cell count as one patch. Views whose neighbouring pixels share
 //! most of their noise have none: steps of that noise would pass for relief.
 //!
-//! **Gain.** Errors of refined poses in mm, without and with facets, of simulated scans:
+//! **Gain.** Errors of refined poses in mm, without and with facets, of simulated scans that are
+//! not bundled:
 //! * three ribbed tunnels: 18, 18 and 6.6 without, 0.3, 0.9 and 0.4 with;
 //! * three walls with windows: 19, 14 and 15 without, 1.5, 2.9 and 2.4 with;
 //! * the first tunnel and the first wall as grids of points: 18 and 19 without, 1.2 and 1.3 with;
 //! * a lattice: 5.7 without, 0.3 with; stairs: 7.3 without, 5.0 with.
 //!
-//! Rooms, kitchens and parts from twelve views stay within 2 %. Where few views overlap, sections
-//! change either way. Medians of the machined part, poses 0.5° off: four views 0.64 mm without,
-//! 0.25 with; six views 0.04 without, 0.11 with.
+//! Sections of rooms and of parts from twelve views change by less than 2 %. Where few views
+//! overlap, they change either way. Medians of the machined part, poses 0.5° off: four views
+//! 0.64 mm without, 0.25 with; six views 0.04 without, 0.11 with (`cargo xtask experiments poses`).
 //!
-//! **Limit.** Along such walls, poses err by more than the facets' noise tells. A dense comparison
-//! of all points took the walls to 0.4 to 0.8 mm, and displaced gears by 11 mm.
+//! **Limit.** Facets err by more than their noise tells. So two exact views of the room move by 5 %
+//! of their noise, and the walls keep 1.5 to 3 mm. Comparing all points took the walls to 0.4 to
+//! 0.8 mm, and displaced a gear by 11 mm.
 
 use super::patch::{axes, largest_rough};
 use super::sampled::Sampling;
@@ -54,7 +56,7 @@ struct Facet {
 }
 
 /// The facets of a view.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Facets {
     /// A place among the samples: far from them, single precision is coarse.
     origin: Point3,
@@ -77,28 +79,17 @@ pub(crate) struct FacetMeeting {
     pub spacing: f64,
 }
 
-impl Default for Facets {
-    fn default() -> Self {
-        Self {
-            origin: Point3::origin(),
-            at: Default::default(),
-            facets: Vec::new(),
-            first: vec![0],
-        }
-    }
-}
-
 impl Facets {
-    /// The facets of the cells for which `told` is true; `size` is that of all cells.
+    /// The facets of the rough cells; `size` is that of all cells.
     pub(super) fn new(
         sampling: &Sampling<'_>,
         size: ImageSize,
         origin: Point3,
-        told: &[bool],
+        rough: &[bool],
     ) -> Self {
-        let mut facets = Self { origin, ..Self::default() };
-        for (k, told) in told.iter().enumerate() {
-            if *told {
+        let mut facets = Self { origin, first: vec![0], ..Self::default() };
+        for (k, is_rough) in rough.iter().enumerate() {
+            if *is_rough {
                 let (row, col) = (k / size.cols * sampling.step, k % size.cols * sampling.step);
                 facets.add(sampling, Pixel::new(row, col));
             }
@@ -178,8 +169,8 @@ impl Facets {
         over.then_some(FacetMeeting { distance, normal, sigma, spacing })
     }
 
-    /// Facets by turns from all directions: the cell, the point, the normal and the standard
-    /// deviation along it.
+    /// Facets by turns from all directions: of each its cell, sample, normal, and standard
+    /// deviation along the normal.
     pub fn samples(&self, most: usize) -> Vec<(usize, Point3, Vector3, f64)> {
         let mut by_direction: BTreeMap<[i8; 3], Vec<(u32, usize)>> = BTreeMap::new();
         for (k, facet) in self.facets.iter().enumerate() {
