@@ -30,9 +30,10 @@
 //! overlap, they change either way. Medians of the machined part, poses 0.5° off: four views
 //! 0.64 mm without, 0.25 with; six views 0.04 without, 0.11 with (`cargo xtask experiments poses`).
 //!
-//! **Limit.** Facets err by more than their noise tells. So two exact views of the room move by 5 %
-//! of their noise, and the walls keep 1.5 to 3 mm. Comparing all points took the walls to 0.4 to
-//! 0.8 mm, and displaced a gear by 11 mm.
+//! **Limit.** Facets err by more than their noise tells: two exact views of the room would move by
+//! 5 % of their noise, if the observations that were left out had not to agree clearly. The walls
+//! keep 1.5 to 3 mm. Comparing all points took the walls to 0.4 to 0.8 mm, and displaced a gear by
+//! 11 mm.
 
 use super::patch::{axes, largest_rough};
 use super::sampled::Sampling;
@@ -213,7 +214,6 @@ const LANES: usize = 8;
 /// degrees. Doubled, single directions of noisy facets take the turns of others.
 const DIRECTIONS: f32 = 3.0;
 
-/// The facet in the middle of three rows of three pixels.
 /// The facet in the middle of three rows of three pixels, with its sample.
 fn facet(
     sampling: &Sampling<'_>,

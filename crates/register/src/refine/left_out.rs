@@ -10,6 +10,9 @@
 //! two views, or in a chain. One half of the blocks of its image moves the views then, and the
 //! other half judges.
 //!
+//! Views move only if the odds of the new poses exceed `POSE_ODDS` by that test. A smaller gain may
+//! be noise, or an error that all observations of a surface share.
+//!
 //! The same test decides between two estimates. Odds that rest on standard deviations alone take
 //! errors that no unknown explains for knowledge. Time-of-flight cameras measure depths too long
 //! where walls light each other. That gave odds of 900 to 15 000 for focal lengths 0.3 to 0.5 %
@@ -20,7 +23,7 @@ use super::pairs::{Pair, Portion};
 use super::solve::System;
 use crate::CoarseView;
 use crate::scrambled::scrambled;
-use crate::tuning::PARTS;
+use crate::tuning::{PARTS, POSE_ODDS};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Two views, by number, and both directions of their pair. These see the same error, so they stay
@@ -73,27 +76,47 @@ fn groups(pairs: impl Iterator<Item = (usize, usize)>, views: usize) -> Vec<usiz
     groups
 }
 
+/// What pairs say about an estimate that did not know them.
+pub(super) struct LeftOut {
+    /// Change of their squared distances, as a share.
+    pub change: f64,
+    /// The natural logarithm of the odds of this estimate over the given poses.
+    log_odds: f64,
+}
+
+impl LeftOut {
+    /// Whether this estimate is clearly more probable than the given poses.
+    pub fn is_clear(&self) -> bool {
+        self.log_odds > POSE_ODDS.ln()
+    }
+}
+
 impl Rounds<'_> {
-    /// Change of the squared distances of the parts, each under the estimate that did not know it,
-    /// as a share; `None` without a pair.
-    pub(super) fn left_out(&self, parts: &[System]) -> Option<f64> {
-        let shares = self.left_of_parts(parts)?;
-        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() - 1.0)
+    /// What the parts say, each about the estimate that did not know it; `None` without a pair.
+    pub(super) fn left_out(&self, parts: &[System]) -> Option<LeftOut> {
+        let before = self.square_as_given(parts);
+        let change = self.left_of_parts(parts)?.iter().sum::<f64>() / before - 1.0;
+        let log_odds = -0.5 * self.independent * before * change;
+        change.is_finite().then_some(LeftOut { change, log_odds })
     }
 
-    /// The squared distances of each part under the estimate that did not know it, as a share of
-    /// those of all parts as given.
+    /// Sum of the weighted squared distances of all parts at the given poses.
+    fn square_as_given(&self, parts: &[System]) -> f64 {
+        let (priors, moved) = (self.priors(), self.motions());
+        let back = self.known_before(&priors, &moved).back();
+        parts.iter().map(|part| part.square_after(&back)).sum()
+    }
+
+    /// The weighted squared distances of each part under the estimate that did not know it.
     fn left_of_parts(&self, parts: &[System]) -> Option<Vec<f64>> {
         let all = System::sum(parts)?;
         let (priors, moved) = (self.priors(), self.motions());
         let known_before = self.known_before(&priors, &moved);
-        let back = known_before.back();
-        let before: f64 = parts.iter().map(|part| part.square_after(&back)).sum();
         let left = |part: &System| {
             let solution = all.without(part).solve(self.independent, &known_before)?;
-            Some(part.square_after(&solution.unknowns) / before)
+            Some(part.square_after(&solution.unknowns))
         };
-        if before > 0.0 { parts.iter().map(left).collect() } else { None }
+        parts.iter().map(left).collect()
     }
 
     /// Whether this estimate predicts the pairs that it did not know better than a simpler one
@@ -104,7 +127,10 @@ impl Rounds<'_> {
         let left = |rounds: &Self| {
             let mut rounds = rounds.clone();
             rounds.pairs.retain(|pair| both.contains(&(pair.a, pair.b)));
-            rounds.left_of_parts(&rounds.systems())
+            let parts = rounds.systems();
+            let before = rounds.square_as_given(&parts);
+            let left = rounds.left_of_parts(&parts)?;
+            Some(left.into_iter().map(|left| left / before).collect::<Vec<f64>>())
         };
         let (Some(own), Some(others)) = (left(self), left(simpler)) else { return false };
         let gains: Vec<f64> = others.iter().zip(&own).map(|(other, own)| other - own).collect();

@@ -2,6 +2,7 @@
 
 use super::Rounds;
 use super::common_motion::{OfView, common_motion};
+use super::left_out::LeftOut;
 use super::motion::{Motion, motion_between};
 use super::observations::{Pieces, Sample, State};
 use super::pairs::{Pair, Spread};
@@ -23,8 +24,8 @@ pub enum PoseOutcome {
     Refined,
     /// It was farther off than the prior explains, and the other views brought it back.
     BroughtBack,
-    /// It stays as given: observations that were left out of the estimate do not agree better, or
-    /// no view moves by more than its standard deviation.
+    /// It stays as given: observations that were left out of the estimate do not clearly agree
+    /// better, or no view moves by more than its standard deviation.
     Kept,
     /// It stays as given: no other view sees enough of the same surfaces.
     Alone,
@@ -124,7 +125,7 @@ impl Rounds<'_> {
 
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
         let parts = self.systems();
-        let left_out_pairs = self.left_out(&parts);
+        let left_out = self.left_out(&parts);
         let unpaired = |k: usize| self.pairs.iter().all(|p| p.a != k && p.b != k);
         let alone: Vec<bool> = (0..self.given.len()).map(unpaired).collect();
         // Where views state how exact their poses are, the most exact ones hold the whole.
@@ -133,13 +134,13 @@ impl Rounds<'_> {
         let system = System::sum(&parts);
         let far_off = self.far_off(system.as_ref());
         let covariances = self.covariances(weights.as_deref());
-        let judged_worse = left_out_pairs.is_none_or(|change| change >= 0.0);
-        if judged_worse || self.focal_over_true.is_some() {
+        let unclear = !left_out.as_ref().is_some_and(LeftOut::is_clear);
+        if unclear || self.focal_over_true.is_some() {
             self.cameras = self.cameras.without_errors();
         }
         self.drop_negligible_errors();
         // Poses and depths would bend to the wrong focal lengths.
-        let keeps = judged_worse
+        let keeps = unclear
             || self.focal_over_true.is_some()
             || covariances.as_ref().is_some_and(|c| self.is_settled(c));
         if keeps {
@@ -177,7 +178,7 @@ impl Rounds<'_> {
         PoseRefinement {
             poses,
             prior: self.prior,
-            left_out_pairs,
+            left_out_pairs: left_out.map(|left_out| left_out.change),
             distance: self.distance,
             focal_over_true: self.focal_over_true,
         }

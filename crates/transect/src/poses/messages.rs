@@ -268,7 +268,8 @@ fn reason(refinement: &PoseRefinement) -> &'static str {
     let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
     match refinement.left_out_pairs {
         Some(change) if change < 0.0 && kept => {
-            ": no view would move by more than its standard deviation"
+            ": observations that were left out of the estimate do not clearly agree better with \
+             other poses, or no view would move by more than its standard deviation"
         }
         Some(_) if kept => {
             ": observations that were left out of the estimate do not agree better with other poses"
