@@ -268,8 +268,7 @@ fn reason(refinement: &PoseRefinement) -> &'static str {
     let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
     match refinement.left_out_pairs {
         Some(change) if change < 0.0 && kept => {
-            ": observations that were left out of the estimate do not clearly agree better with \
-             other poses, or no view would move by more than its standard deviation"
+            ": no view would move by clearly more than the images leave uncertain"
         }
         Some(_) if kept => {
             ": observations that were left out of the estimate do not agree better with other poses"
