@@ -15,10 +15,11 @@
 //! | `name`, `tool` | the name of the scan, and the program that wrote the list; `tool` is optional |
 //! | `scan` | the scan, relative to this file or absolute; any format but this one |
 //! | `unit`, `grid`, `rings`, `poses_from` | the options `--unit`, `--grid` ([rows, columns]), `--rings` and `--poses` that the scan is opened with; optional |
-//! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world |
+//! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world; `surface_sigma` as in a `scan.json`, optional |
 
 use crate::input::read_text;
 use crate::manifest::{tool_of, write_key, write_list};
+use crate::scan::{SURFACE_SIGMA, is_surface_sigma};
 use crate::{
     LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, ScanView, SensorEntry, ViewEntry,
     pose, row_major, write_manifest,
@@ -42,6 +43,8 @@ pub struct ViewPose {
     pub world_from_sensor: Isometry3,
     /// The error of the view's depth camera at this pose. Only manifests can state it.
     pub depth_offsets: Option<DepthOffsets>,
+    /// By how much its surface may be off at this pose, in the scan's length unit.
+    pub surface_sigma: Option<f64>,
 }
 
 /// A scan with other poses, ready to be written.
@@ -73,6 +76,8 @@ pub struct PoseList {
 struct NamedPose {
     view: String,
     pose: [f64; 16],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    surface_sigma: Option<f64>,
 }
 
 impl PosedScan {
@@ -132,6 +137,7 @@ impl PoseList {
         let named = |pose: &ViewPose| NamedPose {
             view: pose.view.clone(),
             pose: row_major(&pose.world_from_sensor),
+            surface_sigma: pose.surface_sigma,
         };
         Ok(Self {
             name: name.to_owned(),
@@ -191,15 +197,20 @@ impl PoseList {
         let meant = meant(&file, &names, &listed)?;
         let mut posed = meant.into_iter().zip(self.poses.iter().enumerate()).peekable();
         for (number, found) in views.into_iter().enumerate() {
-            let Some((_, (listed, NamedPose { view, pose }))) =
+            let Some((_, (listed, NamedPose { view, pose, surface_sigma }))) =
                 posed.next_if(|(meant, _)| *meant == number)
             else {
                 continue;
             };
             let at = Place::View { number: listed, name: view.clone() };
             let pose = pose::from_row_major(pose);
-            let pose = pose.map_err(|problem| ReadError::damaged(&file, at, problem))?;
-            scan.views.push(found.with_pose(pose.world_from_sensor));
+            let pose = pose.map_err(|problem| ReadError::damaged(&file, at.clone(), problem))?;
+            if surface_sigma.is_some_and(|sigma| !is_surface_sigma(sigma)) {
+                let problem = format!("\"surface_sigma\" must be {SURFACE_SIGMA}");
+                return Err(ReadError::damaged(&file, at, problem));
+            }
+            let found = found.with_pose(pose.world_from_sensor);
+            scan.views.push(found.with_surface_sigma(*surface_sigma));
         }
         if scan.views.is_empty() {
             return Err(ReadError::damaged(&file, Place::Whole, "\"poses\" lists no view"));
@@ -293,6 +304,7 @@ impl ViewEntry {
             pose: row_major(&pose.world_from_sensor),
             // It is the error of the given pose.
             pose_sigma: None,
+            surface_sigma: pose.surface_sigma,
             file,
             ..self
         })
@@ -344,7 +356,8 @@ mod tests {
         let pose = |k: &usize| {
             let moved = Isometry3::translation(*k as f64 + 0.1, 0.0, 0.0);
             let view = own.views[*k].name().to_owned();
-            ViewPose { view, world_from_sensor: moved, depth_offsets: None }
+            let surface_sigma = Some(*k as f64 + 0.5);
+            ViewPose { view, world_from_sensor: moved, depth_offsets: None, surface_sigma }
         };
         let poses: Vec<_> = views.iter().map(pose).collect();
         let new = folder.path().join("new");
@@ -368,6 +381,7 @@ mod tests {
         let names: Vec<_> = new.views.iter().map(|view| view.name()).collect();
         assert_eq!((names, new.unit), (vec!["b.ply", "a.ply"], own.unit));
         assert_eq!(new.views[1].world_from_sensor().translation.x, 2.1);
+        assert_eq!(new.views[1].surface_sigma(), Some(2.5));
         assert_eq!(new.name, "part");
         let asked = OpenOptions { unit: Some(LengthUnit::Metre), ..OpenOptions::default() };
         let error = Scan::open_with(&folder.path().join("new"), &asked).unwrap_err();
@@ -376,7 +390,12 @@ mod tests {
         let again = folder.path().join("again");
         fs::create_dir(&again).unwrap();
         let world_from_sensor = Isometry3::identity();
-        let poses = [ViewPose { view: "a.ply".to_owned(), world_from_sensor, depth_offsets: None }];
+        let poses = [ViewPose {
+            view: "a.ply".to_owned(),
+            world_from_sensor,
+            depth_offsets: None,
+            surface_sigma: None,
+        }];
         let posed = new.posed(&folder.path().join("new"), &OpenOptions::default(), &poses, &again);
         let PosedScan::Poses(list) = posed.unwrap() else { panic!("a manifest") };
         assert_eq!((list.scan.as_path(), list.unit), (Path::new("../part.conf"), options.unit));
@@ -398,6 +417,7 @@ mod tests {
         let (own, new) = written(&folder, "old", &OpenOptions::default(), &[1]);
         assert_eq!(new.views[0].name(), "b.npy");
         assert_eq!(new.views[0].world_from_sensor().translation.x, 1.1);
+        assert_eq!(new.views[0].surface_sigma(), Some(1.5));
         assert_eq!((new.unit, new.sigma, own.sigma), (own.unit, own.sigma, Some(2.0)));
         let files: Vec<_> = new.inputs[1..].iter().map(|p| p.canonicalize().unwrap()).collect();
         let old = folder.path().canonicalize().unwrap().join("old");
@@ -431,6 +451,7 @@ mod tests {
                 view: name.to_owned(),
                 world_from_sensor,
                 depth_offsets: None,
+                surface_sigma: None,
             };
             let poses: Vec<_> = list.split(' ').map(pose).collect();
             let posed = scan.posed(&path, &OpenOptions::default(), &poses, folder.path());
@@ -463,6 +484,10 @@ mod tests {
             (list("b.conf", &posed("a.ply")), "b.conf: cannot be read"),
             (list("a.conf", r#"{"view": "a.ply", "pose": [1]}"#), "invalid length 1"),
             (list("a.conf", &posed("a.ply").replace("[1", "[-1")), "the pose is a reflection"),
+            (
+                list("a.conf", &posed("a.ply").replace('}', r#", "surface_sigma": -1}"#)),
+                "view 0 (a.ply): \"surface_sigma\" must be a finite length of 0 or more",
+            ),
             (list("a.conf", &posed("a.ply")).replace("name", "nome"), "unknown field `nome`"),
         ] {
             let error = error(&text);

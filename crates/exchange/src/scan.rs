@@ -119,6 +119,14 @@ pub struct PoseSigma {
     pub translation: f64,
 }
 
+/// The form of a `surface_sigma` in messages.
+pub(crate) const SURFACE_SIGMA: &str = "a finite length of 0 or more";
+
+/// Whether a number can be a `surface_sigma`.
+pub(crate) fn is_surface_sigma(sigma: f64) -> bool {
+    sigma.is_finite() && sigma >= 0.0
+}
+
 /// One view of a scan, not yet loaded. It is cheap to clone and can be sent to another thread.
 #[derive(Debug, Clone)]
 pub struct ScanView {
@@ -127,6 +135,7 @@ pub struct ScanView {
     world_from_sensor: Isometry3,
     sigma: Option<f64>,
     pose_sigma: Option<PoseSigma>,
+    surface_sigma: Option<f64>,
     source: Arc<dyn LoadView>,
 }
 
@@ -171,7 +180,8 @@ impl ScanView {
         world_from_sensor: Isometry3,
         source: Arc<dyn LoadView>,
     ) -> Self {
-        Self { name, path, world_from_sensor, sigma: None, pose_sigma: None, source }
+        let (sigma, pose_sigma, surface_sigma) = (None, None, None);
+        Self { name, path, world_from_sensor, sigma, pose_sigma, surface_sigma, source }
     }
 
     /// The same view with the standard deviation of a range along its ray; `None`: unknown.
@@ -189,9 +199,20 @@ impl ScanView {
         self.pose_sigma
     }
 
-    /// The same view at another pose.
+    /// The same view with a statement of how far its surface may be off along its normals with its
+    /// pose, in the scan's length unit; `None`: unknown.
+    pub fn with_surface_sigma(self, surface_sigma: Option<f64>) -> Self {
+        Self { surface_sigma, ..self }
+    }
+
+    /// How far the surface may be off along its normals, if the scan states it.
+    pub fn surface_sigma(&self) -> Option<f64> {
+        self.surface_sigma
+    }
+
+    /// The same view at another pose, with which its surface may be off by an unknown length.
     pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
-        Self { world_from_sensor, ..self }
+        Self { world_from_sensor, surface_sigma: None, ..self }
     }
 
     /// The same view, its file read in another order of pixels; `None` where its format or its

@@ -80,6 +80,17 @@ pub enum ReconstructError {
     /// How far poses may be wrong has a value that it cannot have.
     #[error(transparent)]
     Prior(#[from] PriorError),
+    /// By how much the surface of a view may be off has a value that it cannot have.
+    #[error(
+        "view {view}: its surface may be off by {sigma} in the unit of length; expected a finite \
+         number of 0 or more, or none"
+    )]
+    SurfaceSigma {
+        /// The name of the view.
+        view: String,
+        /// Its `surface_sigma`.
+        sigma: f64,
+    },
     /// The smallest interval of the refined planes is not a positive length.
     #[error("the section planes cannot be refined")]
     Refine(#[source] GuideError),

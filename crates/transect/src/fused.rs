@@ -1,6 +1,7 @@
 //! Fusing the curves of one plane after another.
 
 use crate::packed::PackedCurves;
+use crate::pose_error::with_pose_errors;
 use crate::seen_through::{Seen, Witness, without_seen_through};
 use crate::{ReconstructError, Setup, Stage, Watch};
 use rayon::prelude::*;
@@ -12,6 +13,15 @@ use transect_geometry::{Curve, PlaneIndex};
 /// The curves that each plane has from each view, in the order of the views.
 pub(crate) type Observed = BTreeMap<PlaneIndex, Vec<PackedCurves>>;
 
+/// What is known of a view besides its curves.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ViewFacts {
+    /// The space that it looked through; `None` if it cannot tell, or nobody asks.
+    pub witness: Option<Witness>,
+    /// By how much its surface may be off, in the length unit, if registration told.
+    pub surface_sigma: Option<f64>,
+}
+
 /// The fused curves of a plane.
 pub(crate) struct Fused {
     pub index: PlaneIndex,
@@ -21,30 +31,34 @@ pub(crate) struct Fused {
 }
 
 impl Fused {
-    /// Fuses the curves of a plane. Each view may have a witness of the space before its surfaces.
+    /// Fuses the curves of a plane. `facts` are those of each view.
     pub fn of(
         index: PlaneIndex,
         views: &[&[Curve]],
-        witnesses: &[Option<&Witness>],
+        facts: &[Option<&ViewFacts>],
         setup: &Setup,
     ) -> Self {
         let mut plane = fuse_plane(views, &setup.fusion);
-        let has_curves = views.iter().zip(witnesses).filter(|(curves, _)| !curves.is_empty());
-        let witnesses: Vec<&Witness> = has_curves.filter_map(|(_, witness)| *witness).collect();
+        let has_curves = views.iter().zip(facts).filter(|(curves, _)| !curves.is_empty());
+        let facts: Vec<Option<&ViewFacts>> = has_curves.map(|(_, facts)| *facts).collect();
+        let witnesses: Vec<&Witness> =
+            facts.iter().flatten().filter_map(|facts| facts.witness.as_ref()).collect();
         let frame = setup.planes.frame(index);
         let Seen { curves, left_out } = without_seen_through(plane.curves, &frame, &witnesses);
-        plane.curves = curves;
+        let surface_sigmas: Vec<_> =
+            facts.iter().map(|facts| facts.as_ref()?.surface_sigma).collect();
+        plane.curves = with_pose_errors(curves, &surface_sigmas);
         Self { index, plane, seen_through: left_out }
     }
 }
 
-/// Fuses planes in parallel, with the witness of each view. The curves of a plane that is given
+/// Fuses planes in parallel, with the facts of each view. The curves of a plane that is given
 /// away are freed with its fusion.
 pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
     planes: Vec<(PlaneIndex, V)>,
     setup: &Setup,
     watch: &dyn Watch,
-    witnesses: &[Option<&Witness>],
+    facts: &[Option<&ViewFacts>],
 ) -> Result<Vec<Fused>, ReconstructError> {
     watch.begin(Stage::Planes, planes.len());
     let fuse = |(index, views): (PlaneIndex, V)| {
@@ -54,7 +68,7 @@ pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
         let curves: Vec<Vec<Curve>> = views.borrow().iter().map(PackedCurves::curves).collect();
         drop(views);
         let curves: Vec<&[Curve]> = curves.iter().map(Vec::as_slice).collect();
-        let fused = Fused::of(index, &curves, witnesses, setup);
+        let fused = Fused::of(index, &curves, facts, setup);
         watch.step(Stage::Planes);
         Ok(fused)
     };

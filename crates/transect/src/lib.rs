@@ -64,6 +64,7 @@ mod modelled_view;
 mod options;
 mod packed;
 mod pipeline;
+mod pose_error;
 mod poses;
 mod refine;
 mod refinement;

@@ -1,5 +1,6 @@
 //! From a view to its curves on every plane it crosses.
 
+use crate::fused::ViewFacts;
 use crate::packed::PackedCurves;
 use crate::report::ViewReport;
 use crate::seen_through::Witness;
@@ -89,8 +90,8 @@ pub(crate) struct Modelled {
     pub views: Vec<ModelledView>,
     /// `None` if they are not wanted.
     pub copies: Option<Vec<CoarseView>>,
-    /// One for each view; `None` of one that cannot tell of free space.
-    pub witnesses: Vec<Option<Witness>>,
+    /// One for each view.
+    pub facts: Vec<ViewFacts>,
 }
 
 /// Loads and models all views in parallel, with what is wanted of their images. If several fail,
@@ -109,24 +110,36 @@ pub(crate) fn model_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
+        let surface_sigma = surface_sigma(source)?;
         let modelled = TimedView::load(source).and_then(|timed| {
             let view = &timed.loaded.view;
             let copy = wanted.copies.then(|| CoarseView::quick(view));
             let witness = wanted.free_space.then(|| Witness::of(view)).flatten();
-            Ok((timed.model(source.name(), setup)?.packed(), copy, witness))
+            let facts = ViewFacts { witness, surface_sigma };
+            Ok((timed.model(source.name(), setup)?.packed(), copy, facts))
         });
         watch.step(Stage::Views);
         modelled
     };
     let modelled: Vec<Result<_, _>> = sources.par_iter().map(model).collect();
-    let (mut views, mut copies, mut witnesses) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut views, mut copies, mut facts) = (Vec::new(), Vec::new(), Vec::new());
     for modelled in modelled {
-        let (view, copy, witness) = modelled?;
+        let (view, copy, of_view) = modelled?;
         views.push(view);
         copies.push(copy);
-        witnesses.push(witness);
+        facts.push(of_view);
     }
-    Ok(Modelled { views, copies: copies.into_iter().collect(), witnesses })
+    Ok(Modelled { views, copies: copies.into_iter().collect(), facts })
+}
+
+/// By how much the surface of a view may be off, if its source states it.
+pub(crate) fn surface_sigma<S: ViewSource>(source: &S) -> Result<Option<f64>, ReconstructError> {
+    match source.surface_sigma() {
+        Some(sigma) if !(sigma.is_finite() && sigma >= 0.0) => {
+            Err(ReconstructError::SurfaceSigma { view: source.name().to_owned(), sigma })
+        }
+        stated => Ok(stated),
+    }
 }
 
 fn view_report(

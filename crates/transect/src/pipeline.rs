@@ -5,8 +5,8 @@
 //! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped. A
 //!    coarse copy stays, and the poses are judged by the copies.
 //! 2. The curves of each plane are fused, independent of every other plane. What more views looked
-//!    through than measured is left out. With [`Refinement`](crate::Refinement), planes are
-//!    inserted where neighbours differ.
+//!    through than measured is left out, and the nodes learn what registered poses may err by. With
+//!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.
 //! 3. The fused planes make the model; the counts of all steps make the report.
 //!
 //! Views and planes run in parallel. Results are gathered in the order of views and planes, and no
@@ -77,13 +77,13 @@ pub fn reconstruct<S: ViewSource>(
     let poses_time = started.elapsed();
     let (copies, free_space) = (poses.is_none(), setup.free_space);
     let wanted = Wanted { copies, free_space }.of_several(sources.len());
-    let Modelled { mut views, copies, witnesses } = match &poses {
+    let Modelled { mut views, copies, facts } = match &poses {
         Some(poses) if poses.refinement.is_some() => {
             model_views(&poses.posed(sources), setup, watch, wanted)?
         }
         _ => model_views(sources, setup, watch, wanted)?,
     };
-    let witnesses: Vec<_> = witnesses.iter().map(Option::as_ref).collect();
+    let facts: Vec<_> = facts.iter().map(Some).collect();
     let again = |order| reread(sources, order, CoarseView::quick);
     let stated = stated(sources);
     let judge = |copies| PoseReport::of_given(copies, stated.as_ref(), again, setup.unit);
@@ -94,11 +94,11 @@ pub fn reconstruct<S: ViewSource>(
         return Err(no_curves(views.iter().map(|view| &view.report), setup));
     }
     let (fused, refined) = match &setup.refinement {
-        None => (fuse(planes.into_iter().collect(), setup, watch, &witnesses)?, None),
+        None => (fuse(planes.into_iter().collect(), setup, watch, &facts)?, None),
         Some(refinement) => {
             let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
             let fuse = |asked: &[PlaneIndex]| {
-                fuse(asked.iter().filter_map(there).collect(), setup, watch, &witnesses)
+                fuse(asked.iter().filter_map(there).collect(), setup, watch, &facts)
             };
             let Refined { fused, selected, report } =
                 refine(refinement, &setup.planes, &planes, fuse)?;

@@ -27,6 +27,13 @@ pub trait ViewSource: Sync {
         None
     }
 
+    /// By how much the view's surface may be off along its normals with its pose, as a standard
+    /// deviation in the model's length unit, if registration told. The standard deviations of fused
+    /// nodes hold it. A number that is negative or not finite ends a run.
+    fn surface_sigma(&self) -> Option<f64> {
+        None
+    }
+
     /// The pose as the file states it (world from sensor), with the convention by which the user
     /// had it read in place of that; `None` if it was read as stated.
     fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {
@@ -64,6 +71,8 @@ pub struct Posed<'a, S> {
     pub pose: Isometry3,
     /// The error of the view's depth camera, which its image loses.
     pub depth_offsets: Option<DepthOffsets>,
+    /// By how much its surface may be off at that pose; see [`ViewSource::surface_sigma`].
+    pub surface_sigma: Option<f64>,
 }
 
 impl<S: ViewSource> ViewSource for Posed<'_, S> {
@@ -81,6 +90,10 @@ impl<S: ViewSource> ViewSource for Posed<'_, S> {
 
     fn pose_prior(&self) -> Option<PosePrior> {
         self.source.pose_prior()
+    }
+
+    fn surface_sigma(&self) -> Option<f64> {
+        self.surface_sigma
     }
 
     fn load(&self) -> Result<LoadedView, SourceError> {
@@ -119,6 +132,10 @@ macro_rules! same_source {
 
             fn pose_prior(&self) -> Option<PosePrior> {
                 (**self).pose_prior()
+            }
+
+            fn surface_sigma(&self) -> Option<f64> {
+                (**self).surface_sigma()
             }
 
             fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {

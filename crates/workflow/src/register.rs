@@ -110,6 +110,7 @@ impl Registration<'_> {
             view: pose.view.clone(),
             world_from_sensor: pose.world_from_sensor,
             depth_offsets: pose.depth_offsets.clone(),
+            surface_sigma: pose.surface_sigma,
         };
         let poses: Vec<_> =
             self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
@@ -169,6 +170,7 @@ mod tests {
             view: "a.ply".to_owned(),
             world_from_sensor: Isometry3::identity(),
             depth_offsets,
+            surface_sigma: None,
         };
         let scan = transect_exchange::Scan::open(&path).unwrap();
         let lost = |poses: &[ViewPose]| {

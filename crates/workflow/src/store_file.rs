@@ -143,8 +143,8 @@ impl StoreFile {
         Ok(Replaced { planes_fused, views, report })
     }
 
-    /// Refines the poses of all views together. The views that move are replaced in one
-    /// transaction, and the planes that they touch are fused anew.
+    /// Refines the poses of all views together. Views that move, or of which registration tells
+    /// another error, are replaced in one transaction. The planes that they touch are fused anew.
     ///
     /// # Errors
     /// [`WorkflowError`] if the store cannot be written. Also if a view cannot be read from its

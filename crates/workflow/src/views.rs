@@ -176,6 +176,11 @@ impl ViewSource for FileView<'_> {
         Some(PosePrior { rotation, translation })
     }
 
+    fn surface_sigma(&self) -> Option<f64> {
+        // It is the error of the scan's own pose.
+        self.view.surface_sigma().filter(|_| self.pose.is_none())
+    }
+
     fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {
         self.stated_pose
     }

@@ -66,6 +66,10 @@ pub struct ViewEntry {
     /// How far the pose may be wrong, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose_sigma: Option<PoseSigma>,
+    /// By how much the view's surface may be off along its normals with this pose, as a standard
+    /// deviation in the length unit, if registration told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface_sigma: Option<f64>,
     /// The true pose, if it is known and differs from `pose`. Modelling never uses it; it is for
     /// programs that compare poses.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,6 +90,7 @@ impl ViewEntry {
             image_order: None,
             pose,
             pose_sigma: None,
+            surface_sigma: None,
             pose_true: None,
         }
     }

@@ -5,6 +5,7 @@ use super::keys::{Keys, UnknownKey, unknown_notes};
 use super::sensor::SensorEntry;
 use super::unique::Unique;
 use crate::missing::MissingValue;
+use crate::scan::{SURFACE_SIGMA, is_surface_sigma};
 use crate::{Place, PlanesEntry, PoseSigma, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
@@ -95,6 +96,7 @@ fn view(
         image_order: keys.optional("image_order")?,
         pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
         pose_sigma: pose_sigma(&keys)?,
+        surface_sigma: surface_sigma(&keys)?,
         pose_true: pose_true(&keys)?,
     };
     unknown.extend(keys.unknown());
@@ -162,6 +164,14 @@ fn pose_sigma(keys: &Keys<'_>) -> Result<Option<PoseSigma>, ReadError> {
         return Err(keys.wrong("pose_sigma", wanted));
     }
     Ok(sigma)
+}
+
+fn surface_sigma(keys: &Keys<'_>) -> Result<Option<f64>, ReadError> {
+    let sigma = keys.optional("surface_sigma")?;
+    match sigma {
+        Some(sigma) if !is_surface_sigma(sigma) => Err(keys.wrong("surface_sigma", SURFACE_SIGMA)),
+        _ => Ok(sigma),
+    }
 }
 
 /// The true pose, which modelling does not use. Text and objects are notes of other programs and

@@ -76,7 +76,8 @@ pub(crate) fn to_scan(
             Some(order) => view.in_order(order).ok_or_else(|| no_order(&path, order))?,
             None => view,
         };
-        views.push(view.with_sigma(manifest.sigma).with_pose_sigma(entry.pose_sigma));
+        let view = view.with_sigma(manifest.sigma).with_pose_sigma(entry.pose_sigma);
+        views.push(view.with_surface_sigma(entry.surface_sigma));
     }
     inputs.extend(sensors.iter().filter_map(|(_, sensor)| Some(sensor.file()?.to_owned())));
     let mut known = HashSet::new();

@@ -7,7 +7,7 @@ use super::motion::{Motion, motion_between};
 use super::observations::{Pieces, Sample, State};
 use super::pairs::{Pair, Spread};
 use super::solve::System;
-use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_at};
+use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_along_normals};
 use crate::prior::PosePrior;
 use crate::tuning::{
     FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS, SAMPLING_ROUGH,
@@ -52,8 +52,8 @@ pub struct RefinedPose {
     /// is alone or misplaced, unless it was stated how far its pose may be wrong.
     pub sigma: Option<PosePrior>,
     /// By how much the view's surface may be off with this pose: root mean square over the surface
-    /// of the standard deviation along each axis, in the model's length unit. The standard
-    /// deviations of fused nodes do not hold it. `None` where `sigma` is.
+    /// of the standard deviation along its normals, in the model's length unit. `None` where
+    /// `sigma` is.
     pub surface_sigma: Option<f64>,
     /// Median distance between the view's surface and those of the other views at the given poses,
     /// in the model's length unit; `None` without overlap. Patches behind a surface do not count.
@@ -211,7 +211,7 @@ impl Rounds<'_> {
     }
 
     fn surface_sigma(&self, k: usize, covariance: &Matrix6<f64>) -> Option<f64> {
-        sigma_at(&self.scene.samples[k], &self.poses[k], covariance)
+        sigma_along_normals(&self.scene.samples[k], &self.poses[k], covariance)
     }
 
     /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses

@@ -145,16 +145,17 @@ pub(super) fn independent(sigma: &PosePrior) -> Matrix6<f64> {
     Matrix6::from_diagonal(&Motion::from_fn(|c, _| variance(c)))
 }
 
-/// Root mean square, over these samples of a view and the axes, of the standard deviation of a
-/// sample's place in the world.
-pub(super) fn sigma_at(
+/// Root mean square, over these samples of a view, of the standard deviation of the sample's place
+/// along its normal.
+pub(super) fn sigma_along_normals(
     samples: &[Sample],
     pose: &Isometry3,
     covariance: &Matrix6<f64>,
 ) -> Option<f64> {
     let variance = |sample: &Sample| {
         let moves = place_from_motion(&(pose.rotation * sample.in_sensor.coords));
-        (moves * covariance * moves.transpose()).trace() / 3.0
+        let along = moves.tr_mul(&(pose.rotation * sample.normal));
+        along.dot(&(covariance * along))
     };
     let variances = samples.iter().take(MOTION_POINTS).map(variance);
     let count = variances.len();

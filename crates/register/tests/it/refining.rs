@@ -196,15 +196,16 @@ fn rigid_fit(from: &[Point3], to: &[Point3]) -> Isometry3 {
 }
 
 /// The errors of refined poses over their standard deviations, after the rigid fit to the exact
-/// ones: of the sensors' places, of angles, and of the views' surfaces. Root mean squares over the
-/// axes.
+/// ones: of the sensors' places and of angles, as root mean squares over the axes, and of the
+/// views' surfaces along their normals.
 fn errors_over_sigma(exact: &[View], refinement: &PoseRefinement) -> [Vec<f64>; 3] {
-    let (mut from, mut to, mut of_view) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut from, mut to, mut normals, mut of_view) = (vec![], vec![], vec![], vec![]);
     for (view, pose) in exact.iter().zip(&refinement.poses) {
         let first = from.len();
         for (_, patch) in coarse(std::slice::from_ref(view))[0].patches().step_by(40) {
             from.push(pose.world_from_sensor * patch.point());
             to.push(view.world_from_sensor() * patch.point());
+            normals.push(view.world_from_sensor() * patch.normal());
         }
         of_view.push(first..from.len());
     }
@@ -212,8 +213,8 @@ fn errors_over_sigma(exact: &[View], refinement: &PoseRefinement) -> [Vec<f64>; 
     let mut ratios = [Vec::new(), Vec::new(), Vec::new()];
     for (points, pose) in of_view.into_iter().zip(&refinement.poses) {
         let count = points.len() as f64;
-        let squares: f64 = points.map(|k| (fit * from[k] - to[k]).norm_squared()).sum();
-        ratios[2].push((squares / count / 3.0).sqrt() / pose.surface_sigma.unwrap());
+        let squares: f64 = points.map(|k| (fit * from[k] - to[k]).dot(&normals[k]).powi(2)).sum();
+        ratios[2].push((squares / count).sqrt() / pose.surface_sigma.unwrap());
     }
     for (view, pose) in exact.iter().zip(&refinement.poses) {
         let (there, exact) = (fit * pose.world_from_sensor, view.world_from_sensor());

@@ -1,7 +1,7 @@
 //! Fusing the planes of a store as in a run over all views, with counts for the report.
 
 use super::kept_image::KeptImage;
-use crate::fused::Fused;
+use crate::fused::{Fused, ViewFacts};
 use crate::report::PlaneSummary;
 use crate::seen_through::Witness;
 use crate::{Setup, Stage, Watch};
@@ -16,13 +16,13 @@ pub(super) struct Fuser<'a> {
     setup: &'a Setup,
     watch: &'a dyn Watch,
     summaries: Mutex<BTreeMap<PlaneIndex, PlaneSummary>>,
-    witnesses: RwLock<BTreeMap<ViewId, Witness>>,
+    facts: RwLock<BTreeMap<ViewId, ViewFacts>>,
 }
 
-// Planes and witnesses are one entry each, so both maps are sound even if a thread panicked.
+// Planes and facts are one entry each, so both maps are sound even if a thread panicked.
 impl<'a> Fuser<'a> {
     pub fn new(setup: &'a Setup, watch: &'a dyn Watch) -> Self {
-        Self { setup, watch, summaries: Mutex::default(), witnesses: RwLock::default() }
+        Self { setup, watch, summaries: Mutex::default(), facts: RwLock::default() }
     }
 
     /// Announces the number of planes to the watcher.
@@ -38,23 +38,19 @@ impl<'a> Fuser<'a> {
 
 impl Fuse for Fuser<'_> {
     fn meet(&self, view: &ViewDescription, copy: Option<ViewCopy>) {
-        let kept = copy.filter(|_| self.setup.free_space).as_ref().and_then(KeptImage::read);
-        let mut witnesses = self.witnesses.write().unwrap_or_else(PoisonError::into_inner);
-        match kept.and_then(KeptImage::free_space) {
-            Some(free) => {
-                witnesses.insert(view.id.clone(), Witness::new(&view.world_from_sensor, free));
-            }
-            None => {
-                witnesses.remove(&view.id);
-            }
-        }
+        let kept = copy.as_ref().and_then(KeptImage::read);
+        let surface_sigma = kept.as_ref().and_then(KeptImage::surface_sigma);
+        let free = kept.filter(|_| self.setup.free_space).and_then(KeptImage::free_space);
+        let witness = free.map(|free| Witness::new(&view.world_from_sensor, free));
+        let mut facts = self.facts.write().unwrap_or_else(PoisonError::into_inner);
+        facts.insert(view.id.clone(), ViewFacts { witness, surface_sigma });
     }
 
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
         let views: Vec<&[Curve]> = partials.iter().map(|(_, curves)| curves.as_slice()).collect();
-        let met = self.witnesses.read().unwrap_or_else(PoisonError::into_inner);
-        let witnesses: Vec<_> = partials.iter().map(|(id, _)| met.get(id)).collect();
-        let fused = Fused::of(plane, &views, &witnesses, self.setup);
+        let met = self.facts.read().unwrap_or_else(PoisonError::into_inner);
+        let facts: Vec<_> = partials.iter().map(|(id, _)| met.get(id)).collect();
+        let fused = Fused::of(plane, &views, &facts, self.setup);
         let summary = PlaneSummary::of_fused(&fused);
         self.summaries.lock().unwrap_or_else(PoisonError::into_inner).insert(plane, summary);
         self.watch.step(Stage::Planes);

@@ -39,7 +39,7 @@ pub(super) fn judged<S: ViewSource>(
     let mut copies = Vec::with_capacity(views.len());
     for StoredView { entry, .. } in &views {
         let stored = read_copy(snapshot, entry)?;
-        copies.extend(stored.and_then(|(c, _)| c.restore(&entry.id.0, entry.world_from_sensor)));
+        copies.extend(stored.and_then(|c| c.restore(&entry.id.0, entry.world_from_sensor)));
     }
     let (count, without) = (views.len(), views.len() - copies.len());
     let note = (without > 0 && count > 1).then(|| {

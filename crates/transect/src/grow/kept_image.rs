@@ -1,7 +1,8 @@
 //! What a store keeps of the image of a view.
 //!
 //! It keeps the coarse copy of the image, and the space that the view looked through. Where
-//! registration found another pose, it keeps the given one, too.
+//! registration found another pose, it keeps the given one, too, and by how much the surface may
+//! still be off.
 
 use super::GrowError;
 use serde::{Deserialize, Serialize};
@@ -25,25 +26,47 @@ pub(super) struct KeptImage {
     moved: Option<GivenPose>,
     /// The space that the view looked through.
     free: Option<FreeSpace>,
+    /// By how much its surface may be off, if registration told.
+    surface_sigma: Option<f64>,
+}
+
+/// The layout of earlier programs.
+#[derive(Deserialize)]
+#[cfg_attr(test, derive(Serialize))]
+struct WithoutSigma {
+    copy: StoredCopy,
+    moved: Option<GivenPose>,
+    free: Option<FreeSpace>,
 }
 
 impl KeptImage {
     /// What a store keeps of a view's image. `given` is the pose that the view was given.
-    pub fn of(view: &View, given: &Isometry3) -> Self {
+    pub fn of(view: &View, given: &Isometry3, surface_sigma: Option<f64>) -> Self {
         let (given, refined) = (*given, *view.world_from_sensor());
         Self {
             copy: CoarseView::quick(view).stored(),
             moved: (given != refined).then_some(GivenPose { given, refined }),
             free: FreeSpace::of(view),
+            surface_sigma,
         }
     }
 
     /// Reads it; `None` if another program wrote it in a layout of its own.
     pub fn read(stored: &ViewCopy) -> Option<Self> {
-        let kept = |copy, moved| Self { copy, moved, free: None };
-        // Earlier programs kept the copy alone, or with the given pose.
-        let with_pose = || stored.value().map(|(copy, moved)| kept(copy, Some(moved)));
-        stored.value().or_else(|| Some(kept(stored.value()?, None))).or_else(with_pose)
+        let kept = |copy, moved, free| Self { copy, moved, free, surface_sigma: None };
+        // Earlier programs kept no sigma; before that the copy alone, or with the given pose.
+        let without_sigma = || {
+            let WithoutSigma { copy, moved, free } = stored.value()?;
+            Some(kept(copy, moved, free))
+        };
+        let copy_alone = || Some(kept(stored.value()?, None, None));
+        let with_pose = || stored.value().map(|(copy, moved)| kept(copy, Some(moved), None));
+        stored.value().or_else(without_sigma).or_else(copy_alone).or_else(with_pose)
+    }
+
+    /// By how much the view's surface may be off, if it is known and sound.
+    pub fn surface_sigma(&self) -> Option<f64> {
+        self.surface_sigma.filter(|sigma| sigma.is_finite() && *sigma >= 0.0)
     }
 
     /// The space that the view looked through, if it is known and sound: a file may hold anything.
@@ -52,24 +75,32 @@ impl KeptImage {
     }
 }
 
-/// A stored copy, and the pose that its view was given if another program has not moved it since.
+/// The coarse copy that a store keeps of a view.
 pub(super) fn read_copy(
     snapshot: &Snapshot,
     entry: &ViewDescription,
-) -> Result<Option<(StoredCopy, Isometry3)>, GrowError> {
-    let (copy, pose) = (snapshot.copy(entry)?, entry.world_from_sensor);
-    Ok(copy.as_ref().and_then(KeptImage::read).map(|KeptImage { copy, moved, .. }| {
-        let given = moved.filter(|moved| moved.refined == pose).map(|moved| moved.given);
-        (copy, given.unwrap_or(pose))
-    }))
+) -> Result<Option<StoredCopy>, GrowError> {
+    Ok(snapshot.copy(entry)?.as_ref().and_then(KeptImage::read).map(|kept| kept.copy))
 }
 
-/// The pose that a view was given, which registration may have changed.
-pub(super) fn given_pose(
-    snapshot: &Snapshot,
-    entry: &ViewDescription,
-) -> Result<Isometry3, GrowError> {
-    Ok(read_copy(snapshot, entry)?.map_or(entry.world_from_sensor, |(_, given)| given))
+/// What registration did to a view of a store.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Registered {
+    /// The pose that the view was given, if another program has not moved it since.
+    pub given: Isometry3,
+    /// By how much its surface may be off, if registration told.
+    pub surface_sigma: Option<f64>,
+}
+
+impl Registered {
+    /// What registration did to a view.
+    pub fn read(snapshot: &Snapshot, entry: &ViewDescription) -> Result<Self, GrowError> {
+        let (copy, pose) = (snapshot.copy(entry)?, entry.world_from_sensor);
+        let kept = copy.as_ref().and_then(KeptImage::read);
+        let surface_sigma = kept.as_ref().and_then(KeptImage::surface_sigma);
+        let moved = kept.and_then(|kept| kept.moved).filter(|moved| moved.refined == pose);
+        Ok(Self { given: moved.map_or(pose, |moved| moved.given), surface_sigma })
+    }
 }
 
 #[cfg(test)]
@@ -90,15 +121,21 @@ mod tests {
         let read = |stored: ViewCopy| {
             let kept = KeptImage::read(&stored).unwrap();
             assert!(kept.copy.clone().restore("v", refined).is_some());
-            (kept.moved.clone().map(|moved| moved.given), kept.free_space())
+            let moved = kept.moved.clone().map(|moved| moved.given);
+            (moved, kept.surface_sigma(), kept.free_space())
         };
-        let new = KeptImage::of(&view, &given);
-        let (moved, free) = read(ViewCopy::of(&new).unwrap());
-        assert_eq!((moved, free), (Some(given), FreeSpace::of(&view)));
-        assert!(new.free.unwrap().holds(&Point3::new(0.0, 0.0, 1.0)));
-        assert_eq!(read(ViewCopy::of(&new.copy).unwrap()), (None, None));
-        let both = (new.copy, GivenPose { given, refined });
-        assert_eq!(read(ViewCopy::of(&both).unwrap()), (Some(given), None));
+        let new = KeptImage::of(&view, &given, Some(0.25));
+        let free = FreeSpace::of(&view);
+        assert_eq!(read(ViewCopy::of(&new).unwrap()), (Some(given), Some(0.25), free.clone()));
+        assert!(new.free.as_ref().unwrap().holds(&Point3::new(0.0, 0.0, 1.0)));
+        let unsound = KeptImage { surface_sigma: Some(f64::NAN), ..new.clone() };
+        assert_eq!(read(ViewCopy::of(&unsound).unwrap()).1, None);
+        let KeptImage { copy, moved, .. } = new;
+        let without = WithoutSigma { copy: copy.clone(), moved, free: free.clone() };
+        assert_eq!(read(ViewCopy::of(&without).unwrap()), (Some(given), None, free));
+        assert_eq!(read(ViewCopy::of(&copy).unwrap()), (None, None, None));
+        let both = (copy, GivenPose { given, refined });
+        assert_eq!(read(ViewCopy::of(&both).unwrap()), (Some(given), None, None));
         assert!(KeptImage::read(&ViewCopy::of(&"another layout").unwrap()).is_none());
     }
 }

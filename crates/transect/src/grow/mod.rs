@@ -31,7 +31,7 @@ mod registration;
 pub use error::GrowError;
 
 use crate::fingerprint::fingerprint;
-use crate::modelled_view::{ModelledView, no_curves};
+use crate::modelled_view::{ModelledView, no_curves, surface_sigma};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::timed_view::TimedView;
 use crate::{
@@ -40,7 +40,7 @@ use crate::{
 };
 use fuser::Fuser;
 use judged::{Judged, judged};
-use kept_image::{KeptImage, given_pose};
+use kept_image::{KeptImage, Registered};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
@@ -352,7 +352,7 @@ impl<'a> Grower<'a> {
         let timed = TimedView::load(source)?;
         let snapshot = self.store.read()?;
         if let Some(there) = snapshot.view(&source.id().into())? {
-            return match difference(&snapshot, &there.entry, &timed.loaded)? {
+            return match difference(&snapshot, &there.entry, &timed.loaded, source)? {
                 None => Ok(Looked::Present),
                 Some(what) => Err(GrowError::OtherView { id: source.id().to_owned(), what }),
             };
@@ -377,7 +377,8 @@ impl<'a> Grower<'a> {
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let kept = KeptImage::of(&loaded.view, given.unwrap_or(&entry.world_from_sensor));
+        let given = given.unwrap_or(&entry.world_from_sensor);
+        let kept = KeptImage::of(&loaded.view, given, surface_sigma(source)?);
         let copy = ViewCopy::of(&kept).ok();
         let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, copy, view })
@@ -454,13 +455,19 @@ fn difference(
     snapshot: &Snapshot,
     there: &ViewDescription,
     here: &LoadedView,
+    source: &impl ViewSource,
 ) -> Result<Option<&'static str>, GrowError> {
     if there.source_hash != fingerprint(&here.view) {
         return Ok(Some("another image, sensor or noise"));
     }
     let pose = *here.view.world_from_sensor();
-    let same = there.world_from_sensor == pose || given_pose(snapshot, there)? == pose;
-    Ok((!same).then_some("another pose"))
+    let registered = Registered::read(snapshot, there)?;
+    if there.world_from_sensor != pose && registered.given != pose {
+        return Ok(Some("another pose"));
+    }
+    let stated = surface_sigma(source)?;
+    let same = stated.is_none() || stated == registered.surface_sigma;
+    Ok((!same).then_some("another surface_sigma"))
 }
 
 fn check_ids<S: ViewSource>(sources: &[S]) -> Result<(), GrowError> {

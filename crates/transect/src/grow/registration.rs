@@ -8,17 +8,18 @@
 //! whatever it found before. So the poses depend on the views and on what was given with them, and
 //! not on when they were registered. The given pose is kept with the view; see `kept_image.rs`.
 
-use super::kept_image::given_pose;
+use super::kept_image::Registered;
 use super::{GrowError, Grower, InPlace};
 use crate::fingerprint::fingerprint;
 use crate::{LoadedView, PoseReport, Posed, Report, SourceError, ViewSource, Watch};
-use transect_device::{ImageOrder, Isometry3, Note};
+use transect_device::{ImageOrder, Note};
 use transect_model::store::{StoredView, ViewDescription};
 use transect_register::{PosePrior, RefineOptions, RefinedPose};
 
 impl Grower<'_> {
-    /// Refines the poses of stored views together, and replaces all views that move in one
-    /// transaction. `sources` are the sources of those views.
+    /// Refines the poses of stored views together. Views that move, and views whose surface may be
+    /// off by another length than the store has, are replaced in one transaction. `sources` are the
+    /// sources of the stored views.
     ///
     /// The poses are those that the views were given, in whatever steps the store grew and was
     /// registered: its own results are no new evidence. The result is that of one registration of
@@ -40,8 +41,8 @@ impl Grower<'_> {
             let there = snapshot.view(&source.id().into())?;
             let no_view = || GrowError::NotThere(source.id().to_owned());
             let entry = there.ok_or_else(no_view)?.entry;
-            let given = given_pose(&snapshot, &entry)?;
-            stored.push(Stored { source, entry, given });
+            let registered = Registered::read(&snapshot, &entry)?;
+            stored.push(Stored { source, entry, registered });
         }
         let options = RefineOptions { images_stay: true, ..*options };
         let mut poses = PoseReport::new(&stored, Some(&options), self.setup.unit, watch)?;
@@ -49,6 +50,7 @@ impl Grower<'_> {
         let refined: Vec<_> = poses.refinement.iter().flat_map(|r| &r.poses).collect();
         let is_new = |(pose, view): (&&RefinedPose, &Stored<'_, S>)| {
             pose.world_from_sensor != view.entry.world_from_sensor
+                || pose.surface_sigma != view.registered.surface_sigma
         };
         let new: Vec<bool> = refined.iter().zip(&stored).map(is_new).collect();
         let known = refined.iter().any(|pose| pose.has_moved()) && !new.contains(&true);
@@ -56,8 +58,8 @@ impl Grower<'_> {
         let as_stored = |view| Posed { depth_offsets: None, ..view };
         let posed: Vec<_> = poses.posed(&stored).into_iter().map(as_stored).collect();
         let moved = posed.iter().zip(new).filter(|(_, new)| *new).map(|(source, _)| {
-            let Stored { entry, given, .. } = source.source;
-            InPlace { id: entry.id.clone(), source, given: Some(*given) }
+            let Stored { entry, registered, .. } = source.source;
+            InPlace { id: entry.id.clone(), source, given: Some(registered.given) }
         });
         let (views, mut report) = self.put_in_place(&moved.collect::<Vec<_>>(), watch)?;
         report.set_poses(Some(poses), self.setup.unit);
@@ -72,8 +74,8 @@ impl Grower<'_> {
 struct Stored<'a, S> {
     source: &'a S,
     entry: ViewDescription,
-    /// The pose that the view was given.
-    given: Isometry3,
+    /// What registration did to it before.
+    registered: Registered,
 }
 
 impl<S: ViewSource> ViewSource for Stored<'_, S> {
@@ -114,7 +116,7 @@ impl<S: ViewSource> ViewSource for Stored<'_, S> {
 impl<S> Stored<'_, S> {
     /// A loaded view under its name in the store, and at the pose that it was given.
     fn as_stored(&self, LoadedView { view, notes }: LoadedView) -> Result<LoadedView, SourceError> {
-        let view = view.with_pose(self.given)?.with_name(&self.entry.id.0);
+        let view = view.with_pose(self.registered.given)?.with_name(&self.entry.id.0);
         Ok(LoadedView { view, notes })
     }
 }

@@ -290,7 +290,7 @@ fn sources_that_stand_elsewhere_and_at_other_poses_stay_what_they_are() {
     assert!(curves(&reconstruct(&of_all_kinds, &setup(), &Unwatched).unwrap()) == model);
     let known = Known(views[0].clone(), PosePrior { rotation: 1e-9, translation: 1e-9 });
     let pose = Isometry3::translation(1.0, 0.0, 0.0);
-    let posed = Posed { source: &known, pose, depth_offsets: None };
+    let posed = Posed { source: &known, pose, depth_offsets: None, surface_sigma: None };
     assert_eq!(posed.pose_prior(), known.pose_prior());
     assert_eq!(*posed.load().unwrap().view.world_from_sensor(), pose);
 }
@@ -303,6 +303,75 @@ fn a_source_with_a_prior_that_is_no_number_is_named() {
     setup.refine_poses = Some(Default::default());
     let error = reconstruct(&sources, &setup, &Unwatched).map(drop).unwrap_err().to_string();
     let view = format!("view {}: its pose has a standard deviation of NaN rad", sources[0].name());
+    assert!(error.starts_with(&view), "{error}");
+}
+
+/// A view whose source states by how much its surface may be off.
+struct Registered(View, Option<f64>);
+
+impl ViewSource for Registered {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn surface_sigma(&self) -> Option<f64> {
+        self.1
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        self.0.load()
+    }
+}
+
+fn registered(surface_sigma: impl Fn(usize) -> Option<f64>) -> Vec<Registered> {
+    let views = noisy_views().into_iter().enumerate();
+    views.map(|(k, view)| Registered(view, surface_sigma(k))).collect()
+}
+
+#[test]
+fn nodes_hold_what_registered_poses_may_err_by() {
+    let as_given = run(&noisy_views());
+    let sources = registered(|_| Some(0.5));
+    let with_sigma = reconstruct(&sources, &setup(), &Unwatched).unwrap();
+    let mut nodes = 0;
+    for ((plane, before), (index, after)) in
+        as_given.model.sections().zip(with_sigma.model.sections())
+    {
+        assert_eq!(plane, index);
+        let of = |section: &transect_model::Section| {
+            section.curves().flat_map(|curve| curve.nodes().to_vec()).collect::<Vec<_>>()
+        };
+        for (before, after) in of(before).iter().zip(of(after)) {
+            assert_eq!((before.position, before.views), (after.position, after.views));
+            if let Some(views) = before.views {
+                let of_pose = 0.5 / f64::from(views.get()).sqrt();
+                let expected = f64::from(before.sigma).hypot(of_pose);
+                assert!((f64::from(after.sigma) / expected - 1.0).abs() < 1e-6, "{after:?}");
+                nodes += 1;
+            }
+        }
+    }
+    assert!(nodes > 1000, "{nodes}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("registered.transect");
+    let store = transect_model::store::Store::create(path, &setup().store_header()).unwrap();
+    let setup = setup();
+    let grower = transect::Grower::new(&store, &setup).unwrap();
+    grower.add_views(&sources, &Unwatched).unwrap();
+    let stored = store.read().unwrap().model().unwrap();
+    assert!(stored.sections().eq(with_sigma.model.sections()));
+    // Sources that do not know it, and those that know another one.
+    let unknown = grower.add_views(&registered(|_| None), &Unwatched).unwrap();
+    assert_eq!(unknown.present.len(), sources.len());
+    let error = grower.add_views(&registered(|_| Some(0.25)), &Unwatched).unwrap_err();
+    assert!(error.to_string().contains("another surface_sigma"), "{error}");
+}
+
+#[test]
+fn a_source_whose_surface_is_off_by_no_number_is_named() {
+    let sources = registered(|k| (k == 1).then_some(-1.0));
+    let error = reconstruct(&sources, &setup(), &Unwatched).map(drop).unwrap_err().to_string();
+    let view = format!("view {}: its surface may be off by -1", sources[1].name());
     assert!(error.starts_with(&view), "{error}");
 }
 

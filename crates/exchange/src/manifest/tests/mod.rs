@@ -134,6 +134,19 @@ fn a_view_states_how_far_its_pose_may_be_wrong() {
 }
 
 #[test]
+fn a_view_states_how_far_its_surface_may_be_off() {
+    let stated = r#", "surface_sigma": 0.25"#;
+    let scan = Folder::pinhole(stated).open().unwrap();
+    assert_eq!((scan.views[0].surface_sigma(), scan.notes), (Some(0.25), Vec::new()));
+    let elsewhere = scan.views[0].clone().with_pose(transect_geometry::Isometry3::identity());
+    assert_eq!(elsewhere.surface_sigma(), None);
+    for wrong in ["-1", "NaN", "\"small\""] {
+        let error = Folder::pinhole(&stated.replace("0.25", wrong)).error();
+        assert!(error.contains("view 0 (a.npy)") && error.contains("surface_sigma"), "{error}");
+    }
+}
+
+#[test]
 fn poses_that_are_not_finite_name_file_and_view() {
     for bad in ["NaN", "-Infinity", "null"] {
         let folder = Folder::pinhole("");
