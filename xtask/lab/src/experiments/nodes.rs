@@ -12,13 +12,13 @@ use crate::statistics::median;
 use crate::table::line;
 use std::collections::BTreeMap;
 use transect::nalgebra::{Matrix3x6, Matrix6, Vector6};
-use transect::{PoseReport, Unwatched, reconstruct};
+use transect::{PoseReport, Posed, Unwatched, reconstruct};
 use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::Model;
 use transect_register::{CoarseView, RefineOptions};
 use transect_scene::sections;
-use transect_workflow::simulation::{PreparedScene, SensorPlan};
+use transect_workflow::simulation::{PlacedInstrument, PreparedScene, SensorPlan, SimulatedScan};
 
 /// A node farther from the reference than this is wrong, in metres, for depth cameras in a room.
 /// Chosen by hand: four times their usual error. Doubled, only spurious surface is wrong.
@@ -155,13 +155,16 @@ fn of_scene(name: &str, change: Change) -> Result<Vec<Judged>, Failure> {
 /// view tells of it.
 fn refined(name: &str, change: Change) -> Result<Vec<Judged>, Failure> {
     let scene = trial::bundled(name)?;
-    let exact = scene.simulate(&SensorPlan::OWN)?.views;
-    let views = change(&scene, exact.clone())?;
+    let SimulatedScan { views, instruments, .. } = scene.simulate(&SensorPlan::OWN)?;
+    let views = change(&scene, views)?;
     let setup = trial::setup(&scene);
     let poses = PoseReport::new(&views, Some(&RefineOptions::default()), setup.unit, &Unwatched)?;
     let mut posed = poses.posed(&views);
-    let refined: Vec<Isometry3> = posed.iter().map(|view| view.pose).collect();
-    let back = common_motion(&exact, &refined)
+    let of_view = |(view, placed): (&Posed<'_, View>, &PlacedInstrument)| {
+        [view.pose, placed.instrument.world_from_sensor]
+    };
+    let poses: Vec<_> = posed.iter().zip(&instruments).map(of_view).collect();
+    let back = common_motion(&views, &poses)
         .ok_or_else(|| Failure::because("the views tell no common motion"))?;
     posed.iter_mut().for_each(|view| view.pose = back * view.pose);
     let result = reconstruct(&posed, &setup, &Unwatched)?;
@@ -169,13 +172,13 @@ fn refined(name: &str, change: Change) -> Result<Vec<Judged>, Failure> {
     Ok(judged(&result.model, &truth))
 }
 
-/// The small motion that takes the surfaces of views at other poses to those at their own, by least
-/// squares.
-fn common_motion(exact: &[View], poses: &[Isometry3]) -> Option<Isometry3> {
+/// The small motion that takes the surfaces of views from their first poses to their second ones,
+/// by least squares.
+fn common_motion(views: &[View], poses: &[[Isometry3; 2]]) -> Option<Isometry3> {
     let (mut matrix, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    for (view, pose) in exact.iter().zip(poses) {
+    for (view, poses) in views.iter().zip(poses) {
         for (_, patch) in CoarseView::new(view).patches() {
-            let [to, from] = [view.world_from_sensor(), pose].map(|pose| pose * patch.point());
+            let [from, to] = poses.map(|pose| pose * patch.point());
             let mut moves = Matrix3x6::identity();
             moves.fixed_view_mut::<3, 3>(0, 3).copy_from(&-from.coords.cross_matrix());
             matrix += moves.tr_mul(&moves);
