@@ -141,7 +141,7 @@ impl Errors {
         let roots: Vec<_> = roots.collect();
         let of_component = |c: usize| {
             let roots = DMatrix::from_fn(root.nrows(), n, |row, k| roots[k][(row, c)]);
-            roots.tr_mul(&roots)
+            roots.transpose() * roots
         };
         let covariance = (0..6).map(of_component).fold(DMatrix::zeros(n, n), |sum, of| sum + of);
         Self { values, covariance }

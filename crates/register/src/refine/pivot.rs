@@ -102,8 +102,9 @@ impl Pivots {
                 Motion::from_fn(|c, _| if c < 3 { 0.0 } else { turned[(axis, c - 3)] })
             });
             let shifts = columns(&|_| Motion::ith(axis, 1.0));
-            product += precision.dot(&turns.tr_mul(&shifts));
-            square += precision.dot(&turns.tr_mul(&turns));
+            let of_turns = turns.transpose();
+            product += precision.dot(&(&of_turns * shifts));
+            square += precision.dot(&(of_turns * turns));
         }
         // The square of what is seen holds that of the share and that of its error. So what chance
         // explains is taken out (Efron and Morris, 1973).
