@@ -299,9 +299,12 @@ impl ViewEntry {
             _ => (),
         }
         let name = self.name.unwrap_or(self.file);
+        // Numbers of a pose that stays would change in their last digits.
+        let known = pose::from_row_major(&self.pose).ok();
+        let stays = known.is_some_and(|known| known.world_from_sensor == pose.world_from_sensor);
         Ok(Self {
             name: (name != file).then_some(name),
-            pose: row_major(&pose.world_from_sensor),
+            pose: if stays { self.pose } else { row_major(&pose.world_from_sensor) },
             // It is the error of the given pose.
             pose_sigma: None,
             surface_sigma: pose.surface_sigma,

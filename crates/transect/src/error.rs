@@ -82,14 +82,16 @@ pub enum ReconstructError {
     Prior(#[from] PriorError),
     /// By how much the surface of a view may be off has a value that it cannot have.
     #[error(
-        "view {view}: its surface may be off by {sigma} in the unit of length; expected a finite \
-         number of 0 or more, or none"
+        "view {view}: its surface_sigma is {sigma}, and its farthest value {farthest}, in the unit \
+         of length; expected a number of 0 to 100 times that value, or none"
     )]
     SurfaceSigma {
         /// The name of the view.
         view: String,
         /// Its `surface_sigma`.
         sigma: f64,
+        /// The largest value of its image.
+        farthest: f64,
     },
     /// The smallest interval of the refined planes is not a positive length.
     #[error("the section planes cannot be refined")]

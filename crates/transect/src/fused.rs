@@ -28,6 +28,8 @@ pub(crate) struct Fused {
     pub plane: FusedPlane,
     /// Nodes that were left out, as more views looked through them than measured them.
     pub seen_through: usize,
+    /// By how much the surfaces of its views may be off.
+    pub surface_sigmas: Vec<Option<f64>>,
 }
 
 impl Fused {
@@ -47,8 +49,16 @@ impl Fused {
         let Seen { curves, left_out } = without_seen_through(plane.curves, &frame, &witnesses);
         let surface_sigmas: Vec<_> =
             facts.iter().map(|facts| facts.as_ref()?.surface_sigma).collect();
-        plane.curves = with_pose_errors(curves, &surface_sigmas);
-        Self { index, plane, seen_through: left_out }
+        plane.curves = curves;
+        Self { index, plane, seen_through: left_out, surface_sigmas }
+    }
+
+    /// The plane with the errors of poses in its nodes. Neighbouring planes share these errors, so
+    /// planes are compared without them.
+    pub fn with_pose_errors(mut self) -> Self {
+        let curves = std::mem::take(&mut self.plane.curves);
+        self.plane.curves = with_pose_errors(curves, &self.surface_sigmas);
+        self
     }
 }
 

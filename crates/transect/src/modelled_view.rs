@@ -110,9 +110,9 @@ pub(crate) fn model_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let surface_sigma = surface_sigma(source)?;
         let modelled = TimedView::load(source).and_then(|timed| {
             let view = &timed.loaded.view;
+            let surface_sigma = surface_sigma(source, view)?;
             let copy = wanted.copies.then(|| CoarseView::quick(view));
             let witness = wanted.free_space.then(|| Witness::of(view)).flatten();
             let facts = ViewFacts { witness, surface_sigma };
@@ -132,11 +132,21 @@ pub(crate) fn model_views<S: ViewSource>(
     Ok(Modelled { views, copies: copies.into_iter().collect(), facts })
 }
 
+/// By how much the surface of a view may be off, over its farthest value, beyond which the number
+/// is wrong. No unit. Chosen by hand: a view that nothing holds may be off by ten times that.
+/// Doubled, a number in another unit passes more often.
+const LARGEST_SIGMA: f64 = 100.0;
+
 /// By how much the surface of a view may be off, if its source states it.
-pub(crate) fn surface_sigma<S: ViewSource>(source: &S) -> Result<Option<f64>, ReconstructError> {
+pub(crate) fn surface_sigma<S: ViewSource>(
+    source: &S,
+    view: &View,
+) -> Result<Option<f64>, ReconstructError> {
+    let farthest = view.image().extremes().map_or(f64::INFINITY, |(_, far)| f64::from(far.abs()));
     match source.surface_sigma() {
-        Some(sigma) if !(sigma.is_finite() && sigma >= 0.0) => {
-            Err(ReconstructError::SurfaceSigma { view: source.name().to_owned(), sigma })
+        Some(sigma) if !(0.0..=LARGEST_SIGMA * farthest).contains(&sigma) => {
+            let view = source.name().to_owned();
+            Err(ReconstructError::SurfaceSigma { view, sigma, farthest })
         }
         stated => Ok(stated),
     }

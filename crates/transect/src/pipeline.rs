@@ -105,6 +105,7 @@ pub fn reconstruct<S: ViewSource>(
             (fused, Some((selected, report)))
         }
     };
+    let fused: Vec<Fused> = fused.into_iter().map(Fused::with_pose_errors).collect();
     let timings = Timings {
         poses: if poses.is_some() { poses_time } else { Duration::ZERO },
         views: views_done - started - poses_time,

@@ -9,7 +9,7 @@ use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
 use transect_device::Note;
-use transect_exchange::{MANIFEST_FILE, PosedScan, SensorEntry, ViewPose, write_file};
+use transect_exchange::{MANIFEST_FILE, PosedScan, ScanView, SensorEntry, ViewPose, write_file};
 
 /// The file of the report beside it.
 const REPORT: &str = "report.json";
@@ -106,15 +106,15 @@ impl Registration<'_> {
     pub fn write(&self, folder: &Path) -> Result<Vec<String>, WorkflowError> {
         Self::claim(self.scan, folder)?;
         let staging = Staging::begin(folder)?;
-        let of_view = |pose: &RefinedPose| ViewPose {
+        let of_view = |(pose, view): (&RefinedPose, &ScanView)| ViewPose {
             view: pose.view.clone(),
             world_from_sensor: pose.world_from_sensor,
             depth_offsets: pose.depth_offsets.clone(),
-            surface_sigma: pose.surface_sigma,
+            surface_sigma: pose.surface_sigma_after(view.surface_sigma()),
         };
-        let poses: Vec<_> =
-            self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
         let OpenScan { path, options, scan, .. } = self.scan;
+        let poses = self.poses.refinement.iter().flat_map(|r| &r.poses);
+        let poses: Vec<_> = poses.zip(&scan.views).map(of_view).collect();
         let posed = scan.posed(path, options, &poses, folder)?;
         write_file(&staging.path().join(MANIFEST_FILE), |out| posed.write(out))?;
         let mut warnings = self.poses.warnings();

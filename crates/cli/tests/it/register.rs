@@ -57,6 +57,14 @@ fn a_registered_scan_is_a_scan_with_the_same_files_and_names() {
     let moved = pose(&views(&old)[1]).inverse() * pose(&views(&new)[1]);
     assert!(moved.translation.vector.norm() > 0.3, "the view that was off stays there");
     assert_eq!(folder.json("one/report.json")["poses"]["poses"], report["poses"]);
+    folder.run("register new --out same --quiet").succeeded();
+    for (first, second) in views(&new).iter().zip(views(&folder.json("same/scan.json"))) {
+        assert!(first["surface_sigma"].is_number());
+        assert_eq!(
+            [&first["pose"], &first["surface_sigma"]],
+            [&second["pose"], &second["surface_sigma"]]
+        );
+    }
     let part = folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
     assert_eq!(views(&folder.json("part/scan.json")).len(), 2, "{}", part.stdout);
     // The scan of the same images is replaced, that of other ones is not.

@@ -331,6 +331,12 @@ pub(super) fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
 }
 
 impl RefinedPose {
+    /// By how much the surface may be off, if `stated` was known with the given pose: that of a
+    /// view that stays is as it was.
+    pub fn surface_sigma_after(&self, stated: Option<f64>) -> Option<f64> {
+        stated.filter(|_| !self.has_moved()).or(self.surface_sigma)
+    }
+
     /// Whether the refined pose differs from the given one.
     pub fn has_moved(&self) -> bool {
         matches!(self.outcome, PoseOutcome::Refined | PoseOutcome::BroughtBack)

@@ -39,7 +39,7 @@ impl<'a> Fuser<'a> {
 impl Fuse for Fuser<'_> {
     fn meet(&self, view: &ViewDescription, copy: Option<ViewCopy>) {
         let kept = copy.as_ref().and_then(KeptImage::read);
-        let surface_sigma = kept.as_ref().and_then(KeptImage::surface_sigma);
+        let surface_sigma = kept.as_ref().and_then(|kept| kept.surface_sigma().now());
         let free = kept.filter(|_| self.setup.free_space).and_then(KeptImage::free_space);
         let witness = free.map(|free| Witness::new(&view.world_from_sensor, free));
         let mut facts = self.facts.write().unwrap_or_else(PoisonError::into_inner);
@@ -50,7 +50,7 @@ impl Fuse for Fuser<'_> {
         let views: Vec<&[Curve]> = partials.iter().map(|(_, curves)| curves.as_slice()).collect();
         let met = self.facts.read().unwrap_or_else(PoisonError::into_inner);
         let facts: Vec<_> = partials.iter().map(|(id, _)| met.get(id)).collect();
-        let fused = Fused::of(plane, &views, &facts, self.setup);
+        let fused = Fused::of(plane, &views, &facts, self.setup).with_pose_errors();
         let summary = PlaneSummary::of_fused(&fused);
         self.summaries.lock().unwrap_or_else(PoisonError::into_inner).insert(plane, summary);
         self.watch.step(Stage::Planes);

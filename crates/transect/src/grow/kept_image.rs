@@ -26,8 +26,25 @@ pub(super) struct KeptImage {
     moved: Option<GivenPose>,
     /// The space that the view looked through.
     free: Option<FreeSpace>,
-    /// By how much its surface may be off, if registration told.
-    surface_sigma: Option<f64>,
+    surface_sigma: SurfaceSigma,
+}
+
+/// By how much the surface of a view may be off. The order of the fields is the layout in the
+/// store.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct SurfaceSigma {
+    /// As its source states it.
+    pub stated: Option<f64>,
+    /// As registration of the store found it.
+    pub registered: Option<f64>,
+}
+
+impl SurfaceSigma {
+    /// What holds for the view as it is, if it is sound: a file may hold anything.
+    pub fn now(&self) -> Option<f64> {
+        let sound = |sigma: &f64| sigma.is_finite() && *sigma >= 0.0;
+        self.registered.or(self.stated).filter(sound)
+    }
 }
 
 /// The layout of earlier programs.
@@ -41,7 +58,7 @@ struct WithoutSigma {
 
 impl KeptImage {
     /// What a store keeps of a view's image. `given` is the pose that the view was given.
-    pub fn of(view: &View, given: &Isometry3, surface_sigma: Option<f64>) -> Self {
+    pub fn of(view: &View, given: &Isometry3, surface_sigma: SurfaceSigma) -> Self {
         let (given, refined) = (*given, *view.world_from_sensor());
         Self {
             copy: CoarseView::quick(view).stored(),
@@ -53,7 +70,8 @@ impl KeptImage {
 
     /// Reads it; `None` if another program wrote it in a layout of its own.
     pub fn read(stored: &ViewCopy) -> Option<Self> {
-        let kept = |copy, moved, free| Self { copy, moved, free, surface_sigma: None };
+        let surface_sigma = SurfaceSigma::default();
+        let kept = |copy, moved, free| Self { copy, moved, free, surface_sigma };
         // Earlier programs kept no sigma; before that the copy alone, or with the given pose.
         let without_sigma = || {
             let WithoutSigma { copy, moved, free } = stored.value()?;
@@ -64,9 +82,9 @@ impl KeptImage {
         stored.value().or_else(without_sigma).or_else(copy_alone).or_else(with_pose)
     }
 
-    /// By how much the view's surface may be off, if it is known and sound.
-    pub fn surface_sigma(&self) -> Option<f64> {
-        self.surface_sigma.filter(|sigma| sigma.is_finite() && *sigma >= 0.0)
+    /// By how much the view's surface may be off.
+    pub fn surface_sigma(&self) -> SurfaceSigma {
+        self.surface_sigma
     }
 
     /// The space that the view looked through, if it is known and sound: a file may hold anything.
@@ -83,13 +101,12 @@ pub(super) fn read_copy(
     Ok(snapshot.copy(entry)?.as_ref().and_then(KeptImage::read).map(|kept| kept.copy))
 }
 
-/// What registration did to a view of a store.
+/// What a view of a store was given, and what registration did to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Registered {
     /// The pose that the view was given, if another program has not moved it since.
     pub given: Isometry3,
-    /// By how much its surface may be off, if registration told.
-    pub surface_sigma: Option<f64>,
+    pub surface_sigma: SurfaceSigma,
 }
 
 impl Registered {
@@ -97,7 +114,7 @@ impl Registered {
     pub fn read(snapshot: &Snapshot, entry: &ViewDescription) -> Result<Self, GrowError> {
         let (copy, pose) = (snapshot.copy(entry)?, entry.world_from_sensor);
         let kept = copy.as_ref().and_then(KeptImage::read);
-        let surface_sigma = kept.as_ref().and_then(KeptImage::surface_sigma);
+        let surface_sigma = kept.as_ref().map(KeptImage::surface_sigma).unwrap_or_default();
         let moved = kept.and_then(|kept| kept.moved).filter(|moved| moved.refined == pose);
         Ok(Self { given: moved.map_or(pose, |moved| moved.given), surface_sigma })
     }
@@ -122,13 +139,16 @@ mod tests {
             let kept = KeptImage::read(&stored).unwrap();
             assert!(kept.copy.clone().restore("v", refined).is_some());
             let moved = kept.moved.clone().map(|moved| moved.given);
-            (moved, kept.surface_sigma(), kept.free_space())
+            (moved, kept.surface_sigma().now(), kept.free_space())
         };
-        let new = KeptImage::of(&view, &given, Some(0.25));
+        let sigma = |registered| SurfaceSigma { stated: Some(0.25), registered };
+        let new = KeptImage::of(&view, &given, sigma(Some(0.5)));
         let free = FreeSpace::of(&view);
-        assert_eq!(read(ViewCopy::of(&new).unwrap()), (Some(given), Some(0.25), free.clone()));
+        assert_eq!(read(ViewCopy::of(&new).unwrap()), (Some(given), Some(0.5), free.clone()));
+        let stated = KeptImage { surface_sigma: sigma(None), ..new.clone() };
+        assert_eq!(read(ViewCopy::of(&stated).unwrap()).1, Some(0.25));
         assert!(new.free.as_ref().unwrap().holds(&Point3::new(0.0, 0.0, 1.0)));
-        let unsound = KeptImage { surface_sigma: Some(f64::NAN), ..new.clone() };
+        let unsound = KeptImage { surface_sigma: sigma(Some(f64::NAN)), ..new.clone() };
         assert_eq!(read(ViewCopy::of(&unsound).unwrap()).1, None);
         let KeptImage { copy, moved, .. } = new;
         let without = WithoutSigma { copy: copy.clone(), moved, free: free.clone() };

@@ -40,11 +40,11 @@ use crate::{
 };
 use fuser::Fuser;
 use judged::{Judged, judged};
-use kept_image::{KeptImage, Registered};
+use kept_image::{KeptImage, Registered, SurfaceSigma};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
-use transect_device::{Isometry3, Note, View};
+use transect_device::{Note, View};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{
     Snapshot, Store, StoreError, StoredView, ViewCopy, ViewDescription, ViewId, ViewReplacement,
@@ -130,8 +130,8 @@ struct NewView {
 struct InPlace<'a, S> {
     id: ViewId,
     source: &'a S,
-    /// The pose that the view was given, if registration found another one.
-    given: Option<Isometry3>,
+    /// What the view was given, if registration puts it there.
+    given: Option<Registered>,
 }
 
 /// A view that comes for another one, with the curves of its planes.
@@ -360,12 +360,12 @@ impl<'a> Grower<'a> {
         Ok(Looked::New(Box::new(self.model(source, timed, None)?)))
     }
 
-    /// Finds the curves of a view. `given` is the pose that it was given, if it has another one.
+    /// Finds the curves of a view. `given` is what it was given, if registration puts it there.
     fn model<S: ViewSource>(
         &self,
         source: &S,
         timed: TimedView,
-        given: Option<&Isometry3>,
+        given: Option<&Registered>,
     ) -> Result<NewView, GrowError> {
         let loaded = &timed.loaded;
         let entry = ViewDescription {
@@ -377,8 +377,14 @@ impl<'a> Grower<'a> {
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let given = given.unwrap_or(&entry.world_from_sensor);
-        let kept = KeptImage::of(&loaded.view, given, surface_sigma(source)?);
+        let sigma = surface_sigma(source, &loaded.view)?;
+        let (pose, sigma) = match given {
+            None => (entry.world_from_sensor, SurfaceSigma { stated: sigma, registered: None }),
+            Some(Registered { given, surface_sigma: SurfaceSigma { stated, .. } }) => {
+                (*given, SurfaceSigma { stated: *stated, registered: sigma })
+            }
+        };
+        let kept = KeptImage::of(&loaded.view, &pose, sigma);
         let copy = ViewCopy::of(&kept).ok();
         let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, copy, view })
@@ -465,8 +471,7 @@ fn difference(
     if there.world_from_sensor != pose && registered.given != pose {
         return Ok(Some("another pose"));
     }
-    let stated = surface_sigma(source)?;
-    let same = stated.is_none() || stated == registered.surface_sigma;
+    let same = surface_sigma(source, &here.view)? == registered.surface_sigma.stated;
     Ok((!same).then_some("another surface_sigma"))
 }
 

@@ -49,8 +49,9 @@ impl Grower<'_> {
         poses.in_store = true;
         let refined: Vec<_> = poses.refinement.iter().flat_map(|r| &r.poses).collect();
         let is_new = |(pose, view): (&&RefinedPose, &Stored<'_, S>)| {
+            let sigma = &view.registered.surface_sigma;
             pose.world_from_sensor != view.entry.world_from_sensor
-                || pose.surface_sigma != view.registered.surface_sigma
+                || pose.surface_sigma_after(sigma.stated) != sigma.now()
         };
         let new: Vec<bool> = refined.iter().zip(&stored).map(is_new).collect();
         let known = refined.iter().any(|pose| pose.has_moved()) && !new.contains(&true);
@@ -59,7 +60,7 @@ impl Grower<'_> {
         let posed: Vec<_> = poses.posed(&stored).into_iter().map(as_stored).collect();
         let moved = posed.iter().zip(new).filter(|(_, new)| *new).map(|(source, _)| {
             let Stored { entry, registered, .. } = source.source;
-            InPlace { id: entry.id.clone(), source, given: Some(registered.given) }
+            InPlace { id: entry.id.clone(), source, given: Some(*registered) }
         });
         let (views, mut report) = self.put_in_place(&moved.collect::<Vec<_>>(), watch)?;
         report.set_poses(Some(poses), self.setup.unit);
@@ -106,6 +107,10 @@ impl<S: ViewSource> ViewSource for Stored<'_, S> {
 
     fn pose_prior(&self) -> Option<PosePrior> {
         self.source.pose_prior()
+    }
+
+    fn surface_sigma(&self) -> Option<f64> {
+        self.registered.surface_sigma.stated
     }
 
     fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {

@@ -167,7 +167,7 @@ fn posed<'a, S: ViewSource>(refinement: &PoseRefinement, sources: &'a [S]) -> Ve
         source,
         pose: pose.world_from_sensor,
         depth_offsets: pose.depth_offsets.clone(),
-        surface_sigma: pose.surface_sigma,
+        surface_sigma: pose.surface_sigma_after(source.surface_sigma()),
     });
     posed.collect()
 }

@@ -41,7 +41,7 @@ fn refined(radius: impl Fn(f64) -> f64 + Sync) -> (PlaneFamily, Refined) {
             let curves = observed.get(k)?[0].curves();
             let counts = FusionCounts::default();
             let plane = FusedPlane { curves, counts, ..FusedPlane::default() };
-            Some(Fused { index: *k, plane, seen_through: 0 })
+            Some(Fused { index: *k, plane, seen_through: 0, surface_sigmas: Vec::new() })
         };
         Ok(asked.iter().filter_map(of).collect())
     };

@@ -307,7 +307,7 @@ fn a_source_with_a_prior_that_is_no_number_is_named() {
 }
 
 /// A view whose source states by how much its surface may be off.
-struct Registered(View, Option<f64>);
+pub struct Registered(pub View, pub Option<f64>);
 
 impl ViewSource for Registered {
     fn name(&self) -> &str {
@@ -360,19 +360,35 @@ fn nodes_hold_what_registered_poses_may_err_by() {
     grower.add_views(&sources, &Unwatched).unwrap();
     let stored = store.read().unwrap().model().unwrap();
     assert!(stored.sections().eq(with_sigma.model.sections()));
-    // Sources that do not know it, and those that know another one.
-    let unknown = grower.add_views(&registered(|_| None), &Unwatched).unwrap();
-    assert_eq!(unknown.present.len(), sources.len());
-    let error = grower.add_views(&registered(|_| Some(0.25)), &Unwatched).unwrap_err();
-    assert!(error.to_string().contains("another surface_sigma"), "{error}");
+    let again = grower.add_views(&sources, &Unwatched).unwrap();
+    assert_eq!(again.present.len(), sources.len());
+    for other in [None, Some(0.25)] {
+        let error = grower.add_views(&registered(|_| other), &Unwatched).unwrap_err();
+        assert!(error.to_string().contains("another surface_sigma"), "{error}");
+    }
+}
+
+#[test]
+fn errors_that_neighbouring_planes_share_leave_out_no_plane() {
+    let mut setup = setup();
+    setup.refinement = Some(transect::Refinement::new(0.01, 2).unwrap());
+    let planes = |sigma| {
+        let result = reconstruct(&registered(|_| sigma), &setup, &Unwatched).unwrap();
+        result.model.sections().map(|(plane, _)| plane).collect::<Vec<_>>()
+    };
+    let exact = planes(None);
+    assert_eq!(planes(Some(0.5)), exact);
+    assert!(exact.len() > run(&noisy_views()).model.sections().len(), "{}", exact.len());
 }
 
 #[test]
 fn a_source_whose_surface_is_off_by_no_number_is_named() {
-    let sources = registered(|k| (k == 1).then_some(-1.0));
-    let error = reconstruct(&sources, &setup(), &Unwatched).map(drop).unwrap_err().to_string();
-    let view = format!("view {}: its surface may be off by -1", sources[1].name());
-    assert!(error.starts_with(&view), "{error}");
+    for wrong in [-1.0, 1e40, f64::NAN, f64::INFINITY] {
+        let sources = registered(|k| (k == 1).then_some(wrong));
+        let error = reconstruct(&sources, &setup(), &Unwatched).map(drop).unwrap_err().to_string();
+        let view = format!("view {}: its surface_sigma is ", sources[1].name());
+        assert!(error.starts_with(&view), "{error}");
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! A store that grew and was registered in steps, against one that was registered once.
 
 use crate::grow::room;
+use crate::pipeline::Registered;
 use transect::{Grower, PoseReport, Setup, Unwatched};
 use transect_device::{Isometry3, Vector3, View};
 use transect_model::store::{Store, StoredView, ViewId};
@@ -94,6 +95,25 @@ fn a_registered_store_is_not_registered_again() {
     // A scan can be added again: its poses are those that the views were given.
     assert_eq!(map.add(&views), views.len());
     assert_eq!(map.views(), there);
+}
+
+#[test]
+fn a_registered_store_of_a_registered_scan_grows_on() {
+    let (setup, exact) = room();
+    let state = |view: View| Registered(view, Some(0.001));
+    let sources: Vec<Registered> = shaken(&exact).into_iter().map(state).collect();
+    let mut map = Map::new(&setup);
+    map.grower().add_views(&sources[..3], &Unwatched).unwrap();
+    let options = RefineOptions::default();
+    let register = |count: usize| {
+        let sources = &sources[..count];
+        map.grower().refine_poses(sources, &options, &Unwatched).unwrap().0.len()
+    };
+    assert_eq!((register(3), register(3)), (3, 0));
+    let growth = map.grower().add_views(&sources, &Unwatched).unwrap();
+    assert_eq!(growth.present.len(), 3);
+    assert_eq!(register(4), 4);
+    map.store.verify().unwrap();
 }
 
 #[test]
