@@ -20,8 +20,11 @@
 //! 200 000 chords within 1e-7. The axes at its end agree with those of steps a sixteenth as long
 //! within 1e-7 (tests).
 //!
-//! Cost of a station: some steps of Newton's method and a search over samples, of which a good
-//! guess leaves few. Do not use it for closed guides: points near the ends would have two stations.
+//! Cost of a station: some steps of Newton's method and a search of samples, which hardly grows
+//! with the number of points (`samples.rs`). Do not use it for closed guides: points near the ends
+//! would have two stations.
+
+mod samples;
 
 use super::GuideError;
 use super::path::Path;
@@ -30,6 +33,7 @@ use super::rounded::{Rounded, turns_back};
 use super::spline::Spline;
 use super::transport::carry;
 use crate::{PlaneFrame, Point3, Vector3};
+use samples::Samples;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -88,8 +92,7 @@ pub struct CurvedGuide {
     path: Path,
     /// First in-plane axis at the start of each piece of the path.
     axes: Vec<Vector3>,
-    /// Equally spaced points of the path, both ends included.
-    samples: Vec<Point3>,
+    samples: Samples,
     /// Distance from the guide at which planes cross, in the model's length unit.
     reach: f64,
     /// Station at which the reach is least.
@@ -140,7 +143,7 @@ impl CurvedGuide {
             },
         };
         let tightest = reach(&path, BEYOND * path.length());
-        let (axes, samples) = (carried_axes(&path), samples(&path));
+        let (axes, samples) = (carried_axes(&path), Samples::of(&path));
         let size = largest_coordinate(&points);
         let (reach, tightest) = (tightest.radius, tightest.station);
         Ok(Self { kind, points, path, axes, samples, reach, tightest, size })
@@ -192,7 +195,7 @@ impl CurvedGuide {
     /// The largest distance of its points from the guide, in the model's length unit. It rounds the
     /// corners of a polyline off; a spline passes through its points.
     pub fn distance_from_points(&self) -> f64 {
-        let distance = |p: &Point3| self.foot_near(p, self.nearest_sample(p)).1;
+        let distance = |p: &Point3| self.foot_near(p, self.samples.nearest(p)).1;
         self.points.iter().map(distance).fold(0.0, f64::max)
     }
 
@@ -256,7 +259,7 @@ impl CurvedGuide {
         }
         let guessed = hint.and_then(|hint| self.nearest_foot(p, hint));
         let (station, distance) =
-            guessed.unwrap_or_else(|| self.foot_near(p, self.nearest_sample(p)));
+            guessed.unwrap_or_else(|| self.foot_near(p, self.samples.nearest(p)));
         let length = self.length();
         if station < -BEYOND * length || station > (1.0 + BEYOND) * length {
             return Err(NoStation::BeyondEnds);
@@ -286,43 +289,13 @@ impl CurvedGuide {
             return None;
         }
         let quarter = FRAC_PI_2 * self.usable_distance();
-        let nearer = self.nearer_sample(p, distance, (station - quarter, station + quarter));
-        nearer.is_none().then_some((station, distance))
-    }
-
-    /// Station of the sample nearest to a point.
-    fn nearest_sample(&self, p: &Point3) -> f64 {
-        self.nearer_sample(p, f64::INFINITY, (0.0, 0.0)).unwrap_or(0.0)
-    }
-
-    /// Station of the nearest sample to a point that is nearer than `least`, and not between two
-    /// stations.
-    ///
-    /// From one sample to the next the distance changes by at most their spacing. So after a sample
-    /// that is farther than the nearest known one, as many samples can be skipped as spacings fit
-    /// into the difference.
-    fn nearer_sample(&self, p: &Point3, mut least: f64, (from, to): (f64, f64)) -> Option<f64> {
-        let spacing = self.length() / (self.samples.len() - 1) as f64;
-        let (mut k, mut nearest) = (0, None);
-        while let Some(sample) = self.samples.get(k) {
-            let station = k as f64 * spacing;
-            if station > from && station < to {
-                k = ((to / spacing) as usize).saturating_add(1);
-                continue;
-            }
-            let distance = (p - sample).norm();
-            if distance < least {
-                (nearest, least) = (Some(station), distance);
-            }
-            // One sample less than the bound allows, because of rounding.
-            k += 1.max((((distance - least) / spacing) as usize).saturating_sub(1));
-        }
-        nearest
+        let around = [station - quarter, station + quarter];
+        (!self.samples.is_any_within(distance, p, around)).then_some((station, distance))
     }
 
     /// The foot of the perpendicular near a station: its station, and the distance.
     fn foot_near(&self, p: &Point3, start: f64) -> (f64, f64) {
-        let spacing = self.length() / (self.samples.len() - 1) as f64;
+        let spacing = self.samples.spacing();
         let enough = self.rounding(p).max(1e-14 * self.length());
         let mut station = start;
         for _ in 0..30 {
@@ -374,12 +347,6 @@ fn carried_axes(path: &Path) -> Vec<Vector3> {
         at = next;
     }
     axes
-}
-
-/// Points so dense that Newton's method converges from the nearest one.
-fn samples(path: &Path) -> Vec<Point3> {
-    let count = (8 * path.starts().len()).clamp(256, 1 << 16);
-    (0..=count).map(|k| path.at(path.length() * k as f64 / count as f64).point).collect()
 }
 
 #[cfg(test)]
