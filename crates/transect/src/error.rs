@@ -82,8 +82,10 @@ pub enum ReconstructError {
     Prior(#[from] PriorError),
     /// By how much the surface of a view may be off has a value that it cannot have.
     #[error(
-        "view {view}: its surface_sigma is {sigma}, and its farthest value {farthest}, in the unit \
-         of length; expected a number of 0 to 100 times that value, or none"
+        "view {view}: its surface_sigma is {}, and its farthest value {}, in the unit of length; \
+         expected a number of 0 to 100 times that value, or none",
+        digits(*sigma),
+        digits(*farthest)
     )]
     SurfaceSigma {
         /// The name of the view.

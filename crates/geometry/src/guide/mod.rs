@@ -68,6 +68,15 @@ pub enum GuideError {
         /// The point, in the model's length unit.
         at: Point3,
     },
+    /// The guide ends where it begins, so that places near its ends have two stations.
+    #[error(
+        "the guide ends where it begins, {gap} from its first point: places there would have two \
+         stations. Closed guides are not supported; end it earlier, or make two guides of it"
+    )]
+    Closed {
+        /// Distance between its ends, in the model's length unit.
+        gap: f64,
+    },
     /// The radius for a polyline's corners is not positive.
     #[error("the radius of the guide's corners must be a positive length, got {0}")]
     BadRadius(f64),

@@ -55,6 +55,10 @@ const BEYOND: f64 = 0.05;
 /// rounding, far below any interval of planes. Doubled, nothing changes.
 const FOOT: f64 = 1e-9;
 
+/// Distance between the ends of a guide, as a share of its length, below which it is closed. Chosen
+/// by hand: a gap as small holds hardly a plane. Doubled, wider gaps are refused.
+const CLOSED: f64 = 1e-3;
+
 /// Distance that is rounding, as a share of the largest coordinate. No unit. Theory: a point, its
 /// pose and the place on the guide each round by about one unit of the last place
 /// (`f64::EPSILON`). Doubled, points beyond an end of the guide by 1e-8 m have a station on
@@ -324,10 +328,12 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
     }
     let size = largest_coordinate(points);
     let repeats = |pair: &[Point3]| (pair[1] - pair[0]).norm() <= 1e-12 * size;
-    match points.windows(2).position(repeats) {
-        Some(k) => Err(GuideError::Repeated { point: k + 1, at: points[k + 1] }),
-        None => Ok(()),
+    if let Some(k) = points.windows(2).position(repeats) {
+        return Err(GuideError::Repeated { point: k + 1, at: points[k + 1] });
     }
+    let length: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let gap = (points[points.len() - 1] - points[0]).norm();
+    if gap <= CLOSED * length { Err(GuideError::Closed { gap }) } else { Ok(()) }
 }
 
 fn largest_coordinate(points: &[Point3]) -> f64 {

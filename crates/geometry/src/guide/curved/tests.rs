@@ -148,6 +148,14 @@ fn bad_points_are_named() {
     assert!(wild.starts_with("point 1 of the guide (from 0) is at (NaN, 0, 0); "), "{wild}");
     let repeated = error(vec![p(1.0), p(2.0), p(2.0)]);
     assert_eq!(repeated, GuideError::Repeated { point: 2, at: p(2.0) });
+    let corners = |last: f64| {
+        [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (last, 0.0)].map(|(x, y)| Point3::new(x, y, 0.0))
+    };
+    for last in [0.0, 0.01] {
+        let closed = error(corners(last).to_vec());
+        assert!(matches!(closed, GuideError::Closed { gap } if (gap - last).abs() < 1e-12));
+    }
+    assert!(CurvedGuide::spline(corners(1.0).to_vec()).is_ok());
     assert!(repeated.to_string().contains("(from 0), at (2, 0, 0), repeats"), "{repeated}");
     let back = error(vec![p(1.0), p(2.0), p(0.5)]);
     assert_eq!(back, GuideError::TurnsBack { point: 1, at: p(2.0) });
