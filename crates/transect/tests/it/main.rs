@@ -15,6 +15,7 @@ mod next_view;
 mod objects;
 mod people;
 mod pipeline;
+mod pose_error;
 mod poses;
 mod refine;
 mod registered_store;

@@ -1,7 +1,7 @@
 //! A store that grew and was registered in steps, against one that was registered once.
 
 use crate::grow::room;
-use crate::pipeline::Registered;
+use crate::pose_error::Registered;
 use transect::{Grower, PoseReport, Setup, Unwatched};
 use transect_device::{Isometry3, Vector3, View};
 use transect_model::store::{Store, StoredView, ViewId};
