@@ -55,8 +55,9 @@ const BEYOND: f64 = 0.05;
 /// rounding, far below any interval of planes. Doubled, nothing changes.
 const FOOT: f64 = 1e-9;
 
-/// Distance between the ends of a guide, as a share of its length, below which it is closed. Chosen
-/// by hand: a gap as small holds hardly a plane. Doubled, wider gaps are refused.
+/// Distance between the ends of a guide, as a share of the shortest distance between neighbouring
+/// points, below which it is closed. Chosen by hand: coordinates are rounded by less. Doubled,
+/// wider gaps are refused.
 const CLOSED: f64 = 1e-3;
 
 /// Distance that is rounding, as a share of the largest coordinate. No unit. Theory: a point, its
@@ -331,9 +332,13 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
     if let Some(k) = points.windows(2).position(repeats) {
         return Err(GuideError::Repeated { point: k + 1, at: points[k + 1] });
     }
-    let length: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
     let gap = (points[points.len() - 1] - points[0]).norm();
-    if gap <= CLOSED * length { Err(GuideError::Closed { gap }) } else { Ok(()) }
+    if gap <= CLOSED * steps.fold(f64::INFINITY, f64::min) {
+        Err(GuideError::Closed { gap })
+    } else {
+        Ok(())
+    }
 }
 
 fn largest_coordinate(points: &[Point3]) -> f64 {

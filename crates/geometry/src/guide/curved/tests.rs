@@ -151,7 +151,7 @@ fn bad_points_are_named() {
     let corners = |last: f64| {
         [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (last, 0.0)].map(|(x, y)| Point3::new(x, y, 0.0))
     };
-    for last in [0.0, 0.01] {
+    for last in [0.0, 0.005] {
         let closed = error(corners(last).to_vec());
         assert!(matches!(closed, GuideError::Closed { gap } if (gap - last).abs() < 1e-12));
     }
