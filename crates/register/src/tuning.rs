@@ -240,8 +240,8 @@ pub const FAR_OFF: f64 = 5.0;
 pub const PARTS: usize = 10;
 
 /// Odds of the refined poses over the given ones, by pairs that are left out, above which views
-/// move. No unit. Theory: strong evidence (Kass and Raftery, 1995). Measured on 15 simulated scans
-/// with exact poses and noise: 5 at most, and on scans with wrong poses e^60 at least. Doubled, the
+/// move. No unit. Theory: strong evidence (Kass and Raftery, 1995). Measured on 14 simulated scans
+/// with exact poses and noise: 5 at most, and on 24 with wrong poses e^140 at least. Doubled, the
 /// limit grows by a fifth of a standard deviation.
 pub const POSE_ODDS: f64 = 20.0;
 
