@@ -5,8 +5,8 @@
 //! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped. A
 //!    coarse copy stays, and the poses are judged by the copies.
 //! 2. The curves of each plane are fused, independent of every other plane. What more views looked
-//!    through than measured is left out, and the nodes learn what registered poses may err by. With
-//!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.
+//!    through than measured is left out. With [`Refinement`](crate::Refinement), planes are
+//!    inserted where neighbours differ. Then the nodes learn what registered poses may err by.
 //! 3. The fused planes make the model; the counts of all steps make the report.
 //!
 //! Views and planes run in parallel. Results are gathered in the order of views and planes, and no

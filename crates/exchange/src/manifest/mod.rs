@@ -19,7 +19,7 @@
 //! | `name` | the view's name in tables and reports; the file if it is not stated |
 //! | `pose` | 16 numbers, row-major, or 4 rows of 4; sensor to world |
 //! | `pose_sigma` | how far `pose` may be wrong, as standard deviations: `{"rotation": 0.005, "translation": 0.01}` in radians and the length unit; optional, for the refinement of poses |
-//! | `surface_sigma` | by how much the view's surface may be off along its normals with `pose`, as a standard deviation in the length unit; optional. Registration writes it, and fused nodes hold it |
+//! | `surface_sigma` | standard deviation of the view's surface along its normals with `pose`; optional. Registration writes it, and fused nodes hold it |
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
 //! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
 //! | `missing` | the value of pixels without a return in the file, before the scale: a number, or `[x, y, z]` for a grid; in a view, or at the top for all views |

@@ -131,8 +131,8 @@ impl CurvedGuide {
     /// A guide through points, in the model's length unit.
     ///
     /// # Errors
-    /// [`GuideError`] if there are too few or too many points, a point is not finite or repeats the
-    /// one before it, or the guide turns back on itself.
+    /// [`GuideError`] if there are too few or too many points, or a point is not finite or repeats
+    /// the one before it. Also if the guide turns back on itself, or ends where it begins.
     pub fn new(kind: GuideKind, points: Vec<Point3>) -> Result<Self, GuideError> {
         check(&points)?;
         let path = match kind {
