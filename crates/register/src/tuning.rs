@@ -192,15 +192,13 @@ pub const NEGLIGIBLE: f64 = 0.1;
 /// within noise after two to four. Doubled, a refinement takes a third longer.
 pub const SETTLING: usize = 8;
 
-/// Tolerance of the distances of wrong views in the first of these rounds, over the first guess of
-/// how far a place is off. No unit. Measured: one view of a round part was turned by 0.5, 3 and 10
-/// degrees in 30 ways, by up to 50 mm on its surface. 20 of them come back within 0.05 mm, but for
-/// turns about the part's axis. At four times the tolerance 16 to 18 do, at a fifth 19, and without
-/// one 10. A wrong frame of a depth camera comes back within 0.5 mm, where it slid by 23 mm.
-pub const FIRST_TOLERANCE: f64 = 0.25;
+/// Rounds of a view that is brought back, before the others move with it. No unit. Theory: with
+/// [`NARROWING`], the tolerance is then a fiftieth of what the first pose is off. Doubled, bringing
+/// a view back takes longer.
+pub const SETTLING_ALONE: usize = 12;
 
-/// Factor on this tolerance from round to round. No unit. Measured on the same turns: at 0.5, 18
-/// of them come back. Doubled, the tolerance would grow.
+/// Factor on this tolerance from round to round. No unit. Chosen by hand: what is off shrinks at
+/// least as fast. Doubled, the tolerance would grow.
 pub const NARROWING: f64 = 0.7;
 
 /// Share of the first guess below which poses are taken for exact. No unit. Chosen by hand: a

@@ -9,7 +9,7 @@ use super::tuning::{
 use crate::coarse::CoarseView;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use transect_device::{Vector3, median, quantile};
+use transect_device::{Isometry3, Vector3, median, quantile};
 
 /// The evidence of all pairs of views about each other at given places.
 pub(super) struct Evidence<'a> {
@@ -23,8 +23,18 @@ pub(super) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
+    /// At the given poses.
     pub fn new(views: &'a [&'a CoarseView]) -> Self {
-        let placings: Vec<Placing> = views.iter().map(|view| Placing::given(view)).collect();
+        Self::placed(views, views.iter().map(|view| Placing::given(view)).collect())
+    }
+
+    /// At other poses.
+    pub fn at(views: &'a [&'a CoarseView], poses: &[Isometry3]) -> Self {
+        let placing = |pose: &Isometry3| Placing { world_from_sensor: *pose, scale: 1.0 };
+        Self::placed(views, poses.iter().map(placing).collect())
+    }
+
+    fn placed(views: &'a [&'a CoarseView], placings: Vec<Placing>) -> Self {
         let probes: Vec<Vec<Probe>> =
             views.par_iter().map(|view| probes(view, COMPARED_PATCHES)).collect();
         let n = views.len();
@@ -115,7 +125,7 @@ fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use transect_device::{Isometry3, Point3};
+    use transect_device::Point3;
 
     #[test]
     fn a_patch_that_may_go_beyond_its_samples_is_unclear() {

@@ -11,12 +11,15 @@
 //! 3. For each of them, the motion or the scale is estimated that would make it agree with the
 //!    others (`motion.rs`).
 //! 4. Where only a part of a view contradicts, the part is named (`region.rs`).
+//!
+//! Before poses are refined, `search/` finds where a view belongs that is far off.
 
 mod blame;
 mod evidence;
 mod motion;
 pub(crate) mod pair;
 mod region;
+mod search;
 mod tuning;
 
 use crate::coarse::CoarseView;
@@ -25,7 +28,9 @@ use evidence::Evidence;
 use motion::{Change, Changed, best};
 use rayon::prelude::*;
 use region::{Regions, regions};
+pub(crate) use search::{Places, root_of_far};
 use std::cmp::Reverse;
+use transect_device::Isometry3;
 use tuning::{BAD_IF_RIGHT, LEAST_COMPARED, MENDED, REGION_SHARE};
 
 /// The findings about the poses of a scan.
@@ -184,8 +189,8 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
 #[derive(Debug, Default)]
 pub(crate) struct Suspects {
     /// Views that contradict the others at their given poses.
-    pub blamed: Vec<usize>,
-    /// Those of them that agree once their lengths are divided by one number.
+    pub turned: Vec<usize>,
+    /// Views that agree once their lengths are divided by one number.
     pub scaled: Vec<usize>,
 }
 
@@ -210,11 +215,32 @@ pub(crate) fn suspects(sorted: &[&CoarseView]) -> Suspects {
         let is_named = |k: &&usize| findings.iter().any(|f| is_named(f, sorted[**k].name()));
         blamed.iter().filter(is_named).copied().collect::<Vec<usize>>()
     };
-    let is_scaled = |f: &Finding, name: &str| matches!(f, Finding::Scaled(s) if s.view == name);
-    let is_wrong = |f: &Finding, name: &str| {
-        is_scaled(f, name) || matches!(f, Finding::Misplaced(m) if m.view == name)
-    };
-    Suspects { blamed: named(&is_wrong), scaled: named(&is_scaled) }
+    let turned = named(&|f, name| matches!(f, Finding::Misplaced(m) if m.view == name));
+    let scaled = named(&|f, name| matches!(f, Finding::Scaled(s) if s.view == name));
+    Suspects { turned, scaled }
+}
+
+/// Those of some views that contradict all others at these poses.
+pub(crate) fn contradicting(
+    sorted: &[&CoarseView],
+    poses: &[Isometry3],
+    some: &[usize],
+) -> Vec<usize> {
+    let table = Evidence::at(sorted, poses).table();
+    let least = table.least_share(some);
+    let is_bad = |k: &&usize| table.with_right(**k, some).bad_share() >= least;
+    some.iter().filter(is_bad).copied().collect()
+}
+
+/// Poses at which a view agrees with all that are not wrong, and which are where `poses` says.
+pub(crate) fn places_of(
+    sorted: &[&CoarseView],
+    poses: &[Isometry3],
+    view: usize,
+    wrong: &[usize],
+) -> Option<Places> {
+    let evidence = Evidence::at(sorted, poses);
+    search::places(&evidence, &evidence.table(), view, wrong)
 }
 
 /// The regions of a view that the others contradict, but for those that are blamed.

@@ -50,19 +50,33 @@ pub(super) fn best(evidence: &Evidence<'_>, view: usize, right: &[usize], of: Ch
     let contradicting = evidence.count(given.iter().map(|(sample, _)| sample)).bad_share();
     // Half of the contradictions are within this share of the distances.
     let most = 1.0 - 0.5 * contradicting;
-    let [narrow, wide] = [MEDIAN, most].map(|first| sought(evidence, view, right, of, first));
+    let start = evidence.placings[view];
+    let [narrow, wide] =
+        [MEDIAN, most].map(|first| sought(evidence, view, start, right, of, first));
     if wide.counts.bad_share() < narrow.counts.bad_share() { wide } else { narrow }
+}
+
+/// The best motion of a view that begins at another pose than its own.
+pub(super) fn moved_from(
+    evidence: &Evidence<'_>,
+    view: usize,
+    start: &Isometry3,
+    right: &[usize],
+) -> Changed {
+    let start = Placing { world_from_sensor: *start, scale: 1.0 };
+    sought(evidence, view, start, right, Change::Motion, MEDIAN)
 }
 
 /// The change that rounds with a biweight of this quantile, and then of the median, find.
 fn sought(
     evidence: &Evidence<'_>,
     view: usize,
+    start: Placing,
     right: &[usize],
     of: Change,
     first: f64,
 ) -> Changed {
-    let mut placing = evidence.placings[view];
+    let mut placing = start;
     for round in 0..MOTION_ROUNDS {
         let rows = compared(evidence, view, placing, right, MOTION_REACH);
         let share = if round < MOTION_ROUNDS / 2 { first } else { MEDIAN };

@@ -20,12 +20,13 @@
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
 //! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
-//! 7. A view that no pose brings to the others is left out, and the rounds are repeated.
+//! 7. A view that does not fit the others, or moves far, is left out, and the rounds are repeated.
+//!    In the end it is brought back: `bring_back.rs`.
 //!
-//! Where all views but a few agree at their given poses, these few are taken for wrong ones from
-//! the start. The prior of the others does not follow from their errors, and a view stays where it
-//! is if a scale of its lengths explains what contradicts.
+//! Where all views but a few agree at their given poses, these few are left out from the start. A
+//! view stays where it is if a scale of its lengths explains what contradicts.
 
+mod bring_back;
 mod camera;
 mod common_motion;
 mod drift;
@@ -99,18 +100,30 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Result<PoseRefin
 
 fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
-    let Suspects { blamed, scaled } = suspects(&views);
+    let may_move = stated(&views, options).is_none();
+    let Suspects { turned, scaled } = suspects(&views);
     let scene = scene(views, &given);
-    let mut misplaced: Vec<usize> = scaled.into_iter().take(MOST_MISPLACED).collect();
-    loop {
+    let mut misplaced = scaled.clone();
+    misplaced.extend(turned.into_iter().filter(|_| may_move));
+    let mut rounds = loop {
         let mut rounds = Rounds::new(&scene, given.clone(), options, &misplaced);
-        rounds.loosen(&blamed);
         rounds.run();
-        match rounds.worst_view() {
+        let far_off = || rounds.farthest_off().filter(|_| may_move);
+        match rounds.worst_view().or_else(far_off) {
             Some(view) if misplaced.len() < MOST_MISPLACED => misplaced.push(view),
-            _ => return rounds.finish(&misplaced),
+            _ => break rounds,
         }
+    };
+    if may_move {
+        rounds.bring_back(&mut misplaced, &scaled);
     }
+    rounds.finish(&misplaced)
+}
+
+/// How far poses may be wrong, if that is stated for all of them.
+fn stated(views: &[&CoarseView], options: &RefineOptions) -> Option<PosePrior> {
+    let own: Option<Vec<PosePrior>> = views.iter().map(|view| view.prior()).collect();
+    options.prior.or_else(|| own?.first().copied())
 }
 
 /// The samples of all views, as many as their pairs may have.
@@ -135,6 +148,18 @@ fn usual_prior(distance: f64) -> PosePrior {
     }
 }
 
+/// The pairs of views that overlap, without the misplaced ones.
+fn candidates(
+    scene: &Scene<'_>,
+    state: State<'_>,
+    PosePrior { rotation, translation }: PosePrior,
+    misplaced: &[usize],
+) -> Vec<(usize, usize)> {
+    let mut pairs = scene.pairs(state, Reach { rotation, translation, unexplained: 0.0 });
+    pairs.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
+    pairs
+}
+
 /// The state of a refinement between its rounds.
 #[derive(Clone)]
 struct Rounds<'a> {
@@ -146,8 +171,7 @@ struct Rounds<'a> {
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
-    /// Views that contradict the others at their given poses. Their errors tell nothing of those of
-    /// the others.
+    /// Views that were brought back. Their errors tell nothing of those of the others.
     loose: Vec<bool>,
     /// How far these views may be off: as far as all views are together.
     prior_of_loose: PosePrior,
@@ -174,19 +198,16 @@ impl<'a> Rounds<'a> {
         let samples = scene.samples.iter().flatten();
         let distance = median(samples.map(|s| s.in_sensor.coords.norm())).unwrap_or(1.0);
         let first = usual_prior(distance);
-        let own: Vec<PosePrior> = scene.views.iter().filter_map(|view| view.prior()).collect();
-        let all_own = own.first().filter(|_| own.len() == given.len()).copied();
-        let stated = options.prior.or(all_own);
+        let stated = stated(&scene.views, options);
         let prior = stated.unwrap_or(first);
-        let first = own.iter().fold(prior, |a, b| PosePrior {
+        let own = scene.views.iter().filter_map(|view| view.prior());
+        let first = own.fold(prior, |a, b| PosePrior {
             rotation: a.rotation.max(b.rotation),
             translation: a.translation.max(b.translation),
         });
-        let reach =
-            Reach { rotation: first.rotation, translation: first.translation, unexplained: 0.0 };
         let cameras = Cameras::of(&scene.views, distance);
-        let mut candidates = scene.pairs(State { poses: &given, cameras: &cameras }, reach);
-        candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
+        let state = State { poses: &given, cameras: &cameras };
+        let candidates = candidates(scene, state, first, misplaced);
         let pivots = Pivots::at_sensors(scene, &given);
         let last_change = DVector::zeros(6 * given.len() + cameras.unknowns());
         Self {
@@ -209,14 +230,6 @@ impl<'a> Rounds<'a> {
             last_change,
             focal_over_true: None,
         }
-    }
-
-    /// Takes views for wrong ones, unless it is stated how far poses may be off.
-    fn loosen(&mut self, blamed: &[usize]) {
-        let stated = self.stated;
-        let loose = |k: usize| !stated && blamed.contains(&k);
-        self.loose = (0..self.loose.len()).map(loose).collect();
-        self.drift.leave_out((0..self.loose.len()).filter(|k| self.loose[*k]));
     }
 
     fn run(&mut self) {

@@ -123,6 +123,21 @@ impl Rounds<'_> {
         misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
+    /// The view that turned farthest of those that are far off. It may have drawn the others with
+    /// it, and came to a pose near its given one, which need not be the best.
+    pub(super) fn farthest_off(&self) -> Option<usize> {
+        let motions = self.motions();
+        let turned: Vec<f64> = motions.iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
+        let typical = median(turned.iter().copied()).unwrap_or(0.0);
+        // The system of all pairs takes as long as a round.
+        if turned.iter().all(|turned| *turned <= FAR_OFF * typical) {
+            return None;
+        }
+        let far_off = self.far_off(self.whole_system().as_ref());
+        let views = (0..far_off.len()).filter(|k| far_off[*k]);
+        views.max_by(|a, b| turned[*a].total_cmp(&turned[*b]))
+    }
+
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
         let parts = self.systems();
         let left_out = self.left_out(&parts);

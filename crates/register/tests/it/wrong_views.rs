@@ -1,7 +1,7 @@
 //! One wrong view among right ones moves no other.
 
-use super::common::{changed, coarse, simulated};
-use transect_device::{Isometry3, Point3, Vector3};
+use super::common::{changed, coarse, simulated, turned};
+use transect_device::{Isometry3, Point3, Vector3, View};
 use transect_register::{PoseOutcome, RefineOptions, refine};
 
 /// Of a part that is seen from all around, a view with larger lengths could be moved away instead.
@@ -46,4 +46,54 @@ fn a_view_into_a_bore_comes_back_by_the_few_patches_of_its_wall() {
     let middle = Point3::new(0.0, 0.0, 15.0);
     let off = (back * middle - middle).norm();
     assert!(off < 0.03, "{off} mm");
+}
+
+/// Rays of such a view meet other sides of the tunnel.
+#[test]
+fn a_view_turned_by_30_degrees_comes_back() {
+    let exact = simulated("tunnel", "");
+    for view in [0, 2] {
+        let mut views = exact.clone();
+        views[view] = turned(&exact[view], 1, 30.0);
+        let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+        for (k, pose) in refinement.poses.iter().enumerate() {
+            let off = pose.world_from_sensor * exact[k].world_from_sensor().inverse();
+            let degrees = off.rotation.angle().to_degrees();
+            assert!(degrees < 0.03, "{view} turned: {k} is {degrees} degrees off");
+        }
+        assert_eq!(refinement.poses[view].outcome, PoseOutcome::BroughtBack);
+    }
+}
+
+/// All other views err, too, and tell where it belongs once they are refined without it.
+#[test]
+fn a_view_far_off_comes_back_among_views_that_err() {
+    let exact = simulated("face_mask", "");
+    let err = |(k, view): (usize, &View)| turned(view, k % 3, if k == 1 { 10.0 } else { 0.1 });
+    let views: Vec<View> = exact.iter().enumerate().map(err).collect();
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+    let pose = |k: usize| refinement.poses[k].world_from_sensor;
+    let truth = |k: usize| exact[k].world_from_sensor();
+    for k in [0, 2, 3] {
+        let between = pose(1).inverse() * pose(k);
+        let wanted = truth(1).inverse() * truth(k);
+        let degrees = between.rotation.angle_to(&wanted.rotation).to_degrees();
+        assert!(degrees < 0.05, "{k} and 1 are {degrees} degrees off each other");
+    }
+}
+
+/// Its lengths are wrong, unevenly, so no pose agrees.
+#[test]
+fn a_view_that_nothing_brings_back_is_named_and_stays() {
+    let mut views = simulated("room", "");
+    let wrong = views[1].world_from_sensor() * Isometry3::translation(0.0, 0.0, -4.0);
+    views[1] =
+        changed(&views[1], |row, col, range| range * (1.0 + 0.002 * ((row + col) % 50) as f32));
+    views[1] = views[1].with_pose(wrong).unwrap();
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+    assert_eq!(refinement.poses[1].world_from_sensor, wrong);
+    assert!(!refinement.poses[1].has_moved());
+    for k in [0, 2, 3] {
+        assert!(refinement.poses[k].rotation.to_degrees() < 0.01, "{k}: {refinement:?}");
+    }
 }

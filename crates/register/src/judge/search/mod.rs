@@ -1,0 +1,202 @@
+//! Where a view belongs that is far off.
+//!
+//! **Problem.** Rays of a view that is turned by ten degrees meet other surfaces, or none. Least
+//! squares from there on end anywhere.
+//!
+//! **Idea.** Two points with their normals fix a pose, and the distance and the angles between them
+//! do not depend on it (Drost, Ulrich, Navab and Ilic, 2010). Wherever two points of the other
+//! views have the shape of two of the view's own, there is a pose. Few of these poses bring most of
+//! the view onto the others.
+//!
+//! **Steps.**
+//! 1. The view and those that are right are thinned to points with normals (`points.rs`).
+//! 2. Pairs of the view's points are looked up among those of the others (`pairs.rs`).
+//! 3. A few points tell the better of the poses, and then all points the best of these
+//!    (`surface.rs`).
+//! 4. Least squares along the rays begin at the best ones, and at the given pose (`motion.rs`).
+//! 5. Of the poses that make peace, those with the most agreement count, and near ones before far
+//!    ones: a view of a round thing agrees at many.
+//!
+//! **Limit.** A pose may move the view's surface as far as that is from the sensor, which a turn by
+//! 60 degrees does. Farther away, scenes repeat themselves: a view into one leg of a tunnel fits
+//! the other leg better, as more of it overlaps there.
+//!
+//! **Departures.** Drost lets pairs vote for poses, since points alone cannot tell which pose is
+//! wrong. Here free space does, so each pose is tried.
+
+mod pairs;
+mod points;
+mod surface;
+
+use super::blame::{Counts, Table};
+use super::evidence::Evidence;
+use super::motion::{Changed, moved_from};
+use super::pair::Placing;
+use super::tuning::{BAD_IF_RIGHT, LEAST_COMPARED};
+use pairs::{PairTable, Shape};
+use points::{Oriented, of_view, spacing, thinned};
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use surface::{NEAR, Surface};
+use transect_device::{Isometry3, median};
+
+/// Points of all right views together, at most. No unit. Chosen by hand: the table of their pairs
+/// takes 20 MiB at most. Doubled, large scenes take four times the time.
+const MOST_POINTS: usize = 1500;
+
+/// Pairs of the view that are looked up. No unit. Chosen by hand: some of them are on surfaces that
+/// others saw. Doubled, the search takes longer by a third.
+const LOOKED_UP: usize = 2000;
+
+/// Pairs of the same shape that are tried. No unit. Chosen by hand: those of two large planes are
+/// thousands, and any of them gives the turn between these planes. Doubled, as above.
+const MATCHES: usize = 60;
+
+/// Points that give the first score of a pose. No unit. Chosen by hand: of a right pose half of
+/// them lie on others, of a wrong one few. Doubled, as above.
+const FIRST_POINTS: usize = 32;
+
+/// Poses that all points are tried on. No unit. Chosen by hand: one in two hundred. Doubled,
+/// nothing changes.
+const BETTER: usize = 600;
+
+/// Poses from which least squares begin. No unit. Chosen by hand. Half of them are the nearer ones.
+/// Doubled, the search takes nearly twice the time.
+const BEST: usize = 48;
+
+/// Poses that are looked at with all patches. No unit. Chosen by hand: where hardly anything tells
+/// the turn about an axis, several are close to the right one. Doubled, the search takes twice the
+/// time.
+const FINALISTS: usize = 6;
+
+/// Points by which two poses are told apart. No unit. Theory: three tell a motion. Doubled, nothing
+/// changes.
+const CORNERS: usize = 8;
+
+/// Poses at which a view may belong.
+pub(crate) struct Places {
+    /// The most probable first.
+    pub poses: Vec<Isometry3>,
+    /// How far surfaces may still be off at these poses.
+    pub off: f64,
+}
+
+/// The poses at which a view agrees with the others, but for those that are blamed.
+pub(super) fn places(
+    evidence: &Evidence<'_>,
+    table: &Table,
+    view: usize,
+    blamed: &[usize],
+) -> Option<Places> {
+    let views = evidence.views;
+    let is_right = |k: &usize| *k != view && !blamed.contains(k);
+    let right: Vec<usize> = (0..views.len()).filter(is_right).collect();
+    let in_sensor = Placing { world_from_sensor: Isometry3::identity(), scale: 1.0 };
+    let own = of_view(views[view], in_sensor);
+    let spacing = spacing(&own)?;
+    let others = right.iter().flat_map(|k| of_view(views[*k], evidence.placings[*k]));
+    let others: Vec<Oriented> = others.collect();
+    let given = evidence.placings[view].world_from_sensor;
+    let far = median(own.iter().map(|o| o.point.coords.norm()))?;
+    let wanted = Wanted { own: thinned(&own, spacing), spacing, given, far };
+    let mut starts = wanted.starts(&others);
+    starts.push(given);
+    let moved = |start: &Isometry3| moved_from(evidence, view, start, &right);
+    let mut tried: Vec<Changed> = starts.par_iter().map(moved).collect();
+    let least = table.least_share(blamed);
+    tried.retain(|c| c.counts.all() >= LEAST_COMPARED && c.counts.bad_share() < least);
+    let worth = |c: &Changed| wanted.worth(&c.placing.world_from_sensor, c.counts);
+    tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let mut poses: Vec<Isometry3> = Vec::new();
+    for changed in tried {
+        let pose = changed.placing.world_from_sensor;
+        if poses.len() < FINALISTS && poses.iter().all(|other| wanted.differ(other, &pose)) {
+            poses.push(pose);
+        }
+    }
+    Some(Places { poses, off: NEAR * spacing })
+}
+
+/// What agreement with the others is divided by: the root of how far a pose moves the view, `off`
+/// at least.
+///
+/// A view of a round thing agrees at many poses, and the nearest of them is wanted. A pose four
+/// times as far away must have twice the agreement.
+pub(crate) fn root_of_far(mean_square: f64, off: f64) -> f64 {
+    mean_square.sqrt().max(off).sqrt()
+}
+
+/// The points of a view that is far off.
+struct Wanted {
+    /// In its sensor frame.
+    own: Vec<Oriented>,
+    spacing: f64,
+    given: Isometry3,
+    /// How far a pose may move it: the median distance of its points from the sensor.
+    far: f64,
+}
+
+impl Wanted {
+    /// Poses that bring the points onto others, and that differ.
+    fn starts(&self, others: &[Oriented]) -> Vec<Isometry3> {
+        let mut scored = self.scored(others);
+        let mut starts: Vec<Isometry3> = Vec::new();
+        let mut add_best = |scored: &[(usize, Isometry3)], most: usize| {
+            for (_, pose) in scored {
+                if starts.len() < most && starts.iter().all(|other| self.differ(other, pose)) {
+                    starts.push(*pose);
+                }
+            }
+        };
+        scored.sort_by_key(|(score, _)| Reverse(*score));
+        add_best(&scored, BEST / 2);
+        scored.sort_by_cached_key(|(score, pose)| {
+            let worth = *score as f64 / root_of_far(self.moves(pose, usize::MAX), self.spacing);
+            Reverse(worth.to_bits())
+        });
+        add_best(&scored, BEST);
+        starts
+    }
+
+    /// The better poses, with the number of points that they bring onto others.
+    fn scored(&self, others: &[Oriented]) -> Vec<(usize, Isometry3)> {
+        let surface = Surface::new(others, self.spacing);
+        let mut others = thinned(others, self.spacing);
+        others.truncate(MOST_POINTS);
+        let table = PairTable::new(&others, self.spacing);
+        let score = |pose: &Isometry3, points: usize| {
+            self.own.iter().take(points).filter(|o| surface.holds(&o.moved(pose))).count()
+        };
+        let of_shape = |shape: &Shape| {
+            let poses = table.matches(shape, MATCHES).map(|frame| frame * shape.frame.inverse());
+            let poses = poses.filter(|pose| self.moves(pose, CORNERS) <= self.far.powi(2));
+            poses.map(|pose| (score(&pose, FIRST_POINTS), pose)).collect::<Vec<_>>()
+        };
+        let shapes = Shape::of_all(&self.own, self.spacing, LOOKED_UP);
+        let mut scored: Vec<_> = shapes.par_iter().flat_map_iter(of_shape).collect();
+        scored.sort_by_key(|(score, _)| Reverse(*score));
+        scored.truncate(BETTER);
+        scored.par_iter_mut().for_each(|(all, pose)| *all = score(pose, self.own.len()));
+        scored
+    }
+
+    /// Mean square of how far a pose moves the first points from where they were given.
+    fn moves(&self, pose: &Isometry3, points: usize) -> f64 {
+        let first = self.own.iter().take(points);
+        let moved = first.map(|o| (pose * o.point - self.given * o.point).norm_squared());
+        moved.sum::<f64>() / self.own.len().min(points).max(1) as f64
+    }
+
+    /// How probable a pose is. Each contradiction takes as many agreements as it is less likely.
+    fn worth(&self, pose: &Isometry3, counts: Counts) -> f64 {
+        let agreement = counts.good as f64 + BAD_IF_RIGHT.ln() * counts.bad as f64;
+        agreement / root_of_far(self.moves(pose, usize::MAX), self.spacing)
+    }
+
+    /// Whether two poses are farther from each other than the points.
+    fn differ(&self, a: &Isometry3, b: &Isometry3) -> bool {
+        let corners = self.own.iter().take(CORNERS);
+        let moved = corners.map(|o| (a * o.point - b * o.point).norm());
+        moved.fold(0.0, f64::max) > self.spacing
+    }
+}

@@ -1,0 +1,111 @@
+//! Views that are far off come back once the others are in place.
+//!
+//! **Problem.** One wrong view moves right ones, and makes their errors seem large. And the less
+//! exactly the others lie, the less they tell about where it belongs.
+//!
+//! **Steps.**
+//! 1. The others were refined without it.
+//! 2. Poses are looked for at which it agrees with them: `judge/search`.
+//! 3. It moves alone from each of these. Distances up to a tolerance count fully at first, since
+//!    few patches may tell how it slides along the others (graduated non-convexity: Blake and
+//!    Zisserman, 1987). The pose at which most patches agree is taken, near ones before far ones.
+//! 4. Rounds with all views, from there on. The prior of the others does not follow from its error.
+//! 5. If it contradicts the others then, it keeps its given pose, and all is as it was before.
+
+use super::motion::motion_between;
+use super::observations::State;
+use super::pairs::Spread;
+use super::{Rounds, candidates};
+use crate::judge::{contradicting, places_of, root_of_far};
+use crate::prior::PosePrior;
+use crate::tuning::{EXACT, MOTION_POINTS, NARROWING, OBSERVATIONS, SETTLING_ALONE};
+use transect_device::Isometry3;
+
+impl Rounds<'_> {
+    /// Brings misplaced views back, but for those with a wrong scale, and takes them off the list.
+    pub(super) fn bring_back(&mut self, misplaced: &mut Vec<usize>, scaled: &[usize]) {
+        let sought = misplaced.iter().filter(|k| !scaled.contains(k));
+        let place = |k: &usize| Some((*k, self.place_of(*k, misplaced)?));
+        let mut found: Vec<(usize, Isometry3)> = sought.filter_map(place).collect();
+        let without = self.clone();
+        while !found.is_empty() {
+            let back: Vec<usize> = found.iter().map(|(k, _)| *k).collect();
+            let lost: Vec<usize> =
+                misplaced.iter().copied().filter(|k| !back.contains(k)).collect();
+            self.add(&found, &lost);
+            self.run_rounds();
+            let wrong = contradicting(&self.scene.views, &self.poses, misplaced);
+            found.retain(|(k, _)| !wrong.contains(k));
+            if found.len() == back.len() {
+                *misplaced = lost;
+                return;
+            }
+            *self = without.clone();
+        }
+    }
+
+    /// The pose at which a view agrees with the others, but for the misplaced ones.
+    fn place_of(&self, view: usize, misplaced: &[usize]) -> Option<Isometry3> {
+        let places = places_of(&self.scene.views, &self.poses, view, misplaced)?;
+        let lost: Vec<usize> = misplaced.iter().copied().filter(|k| *k != view).collect();
+        let mut without = self.clone();
+        without.pairs.clear();
+        let settled = places.poses.iter().filter_map(|pose| {
+            let mut alone = without.clone();
+            alone.add(&[(view, *pose)], &lost);
+            alone.settle(view, places.off)
+        });
+        let mut settled: Vec<(Isometry3, f64)> = settled.collect();
+        settled.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut poses = self.poses.clone();
+        let agrees = |pose: &Isometry3| {
+            poses[view] = *pose;
+            !contradicting(&self.scene.views, &poses, misplaced).contains(&view)
+        };
+        settled.into_iter().map(|(pose, _)| pose).find(agrees)
+    }
+
+    /// Moves one view alone that is off by so much. Returns its pose, and how probable it is.
+    fn settle(&mut self, view: usize, off: f64) -> Option<(Isometry3, f64)> {
+        self.candidates.retain(|(a, b)| *a == view || *b == view);
+        let given = self.given[view];
+        // The others hold still where they are now, and the view has no pose to go back to.
+        self.given.clone_from(&self.poses);
+        self.prior_of_loose = self.first;
+        self.prior.rotation *= EXACT;
+        self.prior.translation *= EXACT;
+        let mut tolerance = off;
+        for _ in 0..SETTLING_ALONE {
+            let reach = PosePrior { rotation: 0.0, translation: tolerance };
+            self.observe(reach, OBSERVATIONS / 4, Spread::Narrow);
+            for pair in &mut self.pairs {
+                pair.excess = pair.excess.max(tolerance.powi(2));
+            }
+            tolerance *= NARROWING;
+            self.step(0, 0.0)?;
+        }
+        let pose = self.poses[view];
+        let samples = self.scene.samples[view].iter().take(MOTION_POINTS).map(|s| s.in_sensor);
+        let moves = samples.map(|p| (pose * p - given * p).norm_squared());
+        let (sum, count) = moves.fold((0.0, 0.0), |(sum, count), m| (sum + m, count + 1.0));
+        Some((pose, self.agreeing() / root_of_far(sum / count, off)))
+    }
+
+    /// Adds views at other poses than the given ones.
+    fn add(&mut self, found: &[(usize, Isometry3)], lost: &[usize]) {
+        for (k, pose) in found {
+            self.poses[*k] = *pose;
+            self.loose[*k] = true;
+        }
+        self.drift.leave_out(found.iter().map(|(k, _)| *k));
+        let motion = |(k, pose): &(usize, Isometry3)| motion_between(&self.given[*k], pose);
+        let first = self.first;
+        self.prior_of_loose = found.iter().map(motion).fold(first, |prior, motion| PosePrior {
+            rotation: prior.rotation.max(motion.fixed_rows::<3>(3).norm()),
+            translation: prior.translation.max(motion.fixed_rows::<3>(0).norm()),
+        });
+        self.last_change.fill(0.0);
+        let state = State { poses: &self.poses, cameras: &self.cameras };
+        self.candidates = candidates(self.scene, state, self.prior, lost);
+    }
+}
