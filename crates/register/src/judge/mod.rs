@@ -12,7 +12,7 @@
 //!    others (`motion.rs`).
 //! 4. Where only a part of a view contradicts, the part is named (`region.rs`).
 //!
-//! Before poses are refined, `search/` finds where a view belongs that is far off.
+//! While poses are refined, `search/` finds where a view belongs that is far off.
 
 mod blame;
 mod evidence;

@@ -45,32 +45,33 @@ use transect_device::{Isometry3, median};
 const MOST_POINTS: usize = 1500;
 
 /// Pairs of the view that are looked up. No unit. Chosen by hand: some of them are on surfaces that
-/// others saw. Doubled, the search takes longer by a third.
+/// others saw. Doubled, twice as many poses are tried.
 const LOOKED_UP: usize = 2000;
 
 /// Pairs of the same shape that are tried. No unit. Chosen by hand: those of two large planes are
-/// thousands, and any of them gives the turn between these planes. Doubled, as above.
+/// thousands, and any of them gives the turn between these planes. Doubled, more of the
+/// poses that are tried come from planes.
 const MATCHES: usize = 60;
 
 /// Points that give the first score of a pose. No unit. Chosen by hand: of a right pose half of
-/// them lie on others, of a wrong one few. Doubled, as above.
+/// them lie on others, of a wrong one few. Doubled, every pose that is tried takes twice the time.
 const FIRST_POINTS: usize = 32;
 
-/// Poses that all points are tried on. No unit. Chosen by hand: one in two hundred. Doubled,
-/// nothing changes.
+/// Poses that all points are tried on. No unit. Chosen by hand: one in two hundred. Doubled, this
+/// step takes twice the time.
 const BETTER: usize = 600;
 
 /// Poses from which least squares begin. No unit. Chosen by hand. Half of them are the nearer ones.
-/// Doubled, the search takes nearly twice the time.
+/// Doubled, these rounds take twice the time.
 const BEST: usize = 48;
 
 /// Poses that are looked at with all patches. No unit. Chosen by hand: where hardly anything tells
-/// the turn about an axis, several are close to the right one. Doubled, the search takes twice the
-/// time.
+/// the turn about an axis, several are close to the right one. Doubled, moving the view alone takes
+/// twice the time.
 const FINALISTS: usize = 6;
 
-/// Points by which two poses are told apart. No unit. Theory: three tell a motion. Doubled, nothing
-/// changes.
+/// Points by which two poses are told apart. No unit. Theory: three tell a motion. Doubled, each
+/// comparison takes twice the time.
 const CORNERS: usize = 8;
 
 /// Poses at which a view may belong.
