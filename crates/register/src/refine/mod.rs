@@ -267,7 +267,7 @@ impl<'a> Rounds<'a> {
             return;
         }
         let sound = self.clone();
-        let far_off = self.far_off(self.whole_system().as_ref());
+        let far_off = self.far_off(|| self.whole_system());
         let begin = self.given.iter().zip(&self.poses).zip(far_off);
         let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
         let odds = self.rounds_with(&sound, Freed::ScaleAndFocal, &suspected, &begin);

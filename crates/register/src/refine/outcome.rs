@@ -127,15 +127,10 @@ impl Rounds<'_> {
     /// it, and came to a pose near its given one, which need not be the best.
     pub(super) fn farthest_off(&self) -> Option<usize> {
         let motions = self.motions();
-        let turned: Vec<f64> = motions.iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
-        let typical = median(turned.iter().copied()).unwrap_or(0.0);
-        // The system of all pairs takes as long as a round.
-        if turned.iter().all(|turned| *turned <= FAR_OFF * typical) {
-            return None;
-        }
-        let far_off = self.far_off(self.whole_system().as_ref());
+        let turned = |k: &usize| motions[*k].fixed_rows::<3>(3).norm();
+        let far_off = self.far_off(|| self.whole_system());
         let views = (0..far_off.len()).filter(|k| far_off[*k]);
-        views.max_by(|a, b| turned[*a].total_cmp(&turned[*b]))
+        views.max_by(|a, b| turned(a).total_cmp(&turned(b)))
     }
 
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
@@ -147,7 +142,7 @@ impl Rounds<'_> {
         let unstated = self.scene.views.iter().all(|view| view.prior().is_none());
         let weights = unstated.then(|| self.take_out_common_motion(&alone));
         let system = System::sum(&parts);
-        let far_off = self.far_off(system.as_ref());
+        let far_off = self.far_off(|| system);
         let covariances = self.covariances(weights.as_deref());
         let unclear = !left_out.as_ref().is_some_and(LeftOut::is_clear);
         if unclear || self.focal_over_true.is_some() {
@@ -236,11 +231,16 @@ impl Rounds<'_> {
     }
 
     /// Which views turned far more than most, and moved by more than their images and poses are
-    /// uncertain by.
-    pub(super) fn far_off(&self, system: Option<&System>) -> Vec<bool> {
+    /// uncertain by. The system of all pairs, which takes as long as a round, is asked for only where
+    /// a view turned far.
+    pub(super) fn far_off(&self, system: impl FnOnce() -> Option<System>) -> Vec<bool> {
         let motions = self.motions();
         let turned = |motion: &Motion| motion.fixed_rows::<3>(3).norm();
         let typical = median(motions.iter().map(turned)).unwrap_or(0.0);
+        if motions.iter().all(|motion| turned(motion) <= FAR_OFF * typical) {
+            return vec![false; motions.len()];
+        }
+        let system = system();
         let apart = median(medians(&self.pairs, self.given.len()).into_iter().flatten());
         let apart = apart.unwrap_or(0.0);
         let priors = self.priors();
@@ -248,7 +248,7 @@ impl Rounds<'_> {
         let is_far_off = |(k, motion): (usize, &Motion)| {
             let alone =
                 |system: &System| system.variances_alone(k, self.independent, &known_before);
-            let variances = system.map_or_else(Motion::zeros, alone);
+            let variances = system.as_ref().map_or_else(Motion::zeros, alone);
             let uncertain = self.surface_moves(&variances.map(f64::sqrt)).hypot(self.noise(k));
             let allowed = GATE * apart.hypot(uncertain);
             turned(motion) > FAR_OFF * typical && self.surface_moves(motion) > allowed
