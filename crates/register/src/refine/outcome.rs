@@ -231,8 +231,8 @@ impl Rounds<'_> {
     }
 
     /// Which views turned far more than most, and moved by more than their images and poses are
-    /// uncertain by. The system of all pairs, which takes as long as a round, is asked for only where
-    /// a view turned far.
+    /// uncertain by. The system of all pairs takes as long as a round: it is asked for only where a
+    /// view turned far.
     pub(super) fn far_off(&self, system: impl FnOnce() -> Option<System>) -> Vec<bool> {
         let motions = self.motions();
         let turned = |motion: &Motion| motion.fixed_rows::<3>(3).norm();
