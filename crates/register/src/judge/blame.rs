@@ -11,7 +11,9 @@
 //!    Of two sets of blamed views that make peace, the smaller one counts if the larger one leaves
 //!    views that do not meet.
 
-use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_COMPARED, STANDS_OUT};
+use super::tuning::{
+    BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_COMPARED, LEAST_USUAL, STANDS_OUT,
+};
 
 /// How many patches of some views agree and contradict.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -133,6 +135,13 @@ impl Table {
     /// two of these meet, their usual share is unknown, and [`BAD_IF_RIGHT`] stands for it.
     pub fn least_share(&self, blamed: &[usize]) -> f64 {
         STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT)
+    }
+
+    /// How likely a right view has such counts. Of what is known to be positive and to have a mean,
+    /// the exponential distribution says least else (maximum entropy: Jaynes, 1957).
+    pub fn likelihood(&self, counts: Counts, blamed: &[usize]) -> f64 {
+        let usual = self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT).max(LEAST_USUAL);
+        (-counts.bad_share() / usual).exp()
     }
 
     /// By how much the logarithm of the likelihood grows if a view is taken to be wrong, with the

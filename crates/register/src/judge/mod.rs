@@ -232,6 +232,19 @@ pub(crate) fn contradicting(
     some.iter().filter(is_bad).copied().collect()
 }
 
+/// How likely a right view contradicts those that are not wrong as much as this one does at these
+/// poses; `None` if it stands out among them.
+pub(crate) fn likelihood(
+    sorted: &[&CoarseView],
+    poses: &[Isometry3],
+    view: usize,
+    wrong: &[usize],
+) -> Option<f64> {
+    let table = Evidence::at(sorted, poses).table();
+    let counts = table.with_right(view, wrong);
+    (counts.bad_share() < table.least_share(wrong)).then(|| table.likelihood(counts, wrong))
+}
+
 /// Poses at which a view agrees with all that are not wrong, and which are where `poses` says.
 pub(crate) fn places_of(
     sorted: &[&CoarseView],

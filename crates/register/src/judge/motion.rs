@@ -56,6 +56,17 @@ pub(super) fn best(evidence: &Evidence<'_>, view: usize, right: &[usize], of: Ch
     if wide.counts.bad_share() < narrow.counts.bad_share() { wide } else { narrow }
 }
 
+/// A view at another pose than its own.
+pub(super) fn moved_to(
+    evidence: &Evidence<'_>,
+    view: usize,
+    pose: &Isometry3,
+    right: &[usize],
+) -> Changed {
+    let placing = Placing { world_from_sensor: *pose, scale: 1.0 };
+    changed(evidence, view, placing, right)
+}
+
 /// The best motion of a view that begins at another pose than its own.
 pub(super) fn moved_from(
     evidence: &Evidence<'_>,
@@ -83,6 +94,10 @@ fn sought(
         let Some(next) = step(&rows, placing, of, share) else { break };
         placing = next;
     }
+    changed(evidence, view, placing, right)
+}
+
+fn changed(evidence: &Evidence<'_>, view: usize, placing: Placing, right: &[usize]) -> Changed {
     let rows = compared(evidence, view, placing, right, REACH);
     let met = rows.iter().map(|(s, _)| s).filter(|s| s.met).map(|s| s.distance.abs());
     let usual = median(met).unwrap_or(f64::INFINITY);

@@ -8,15 +8,17 @@
 //! 2. Poses are looked for at which it agrees with them: `judge/search`.
 //! 3. It moves alone from each of these. Distances up to a tolerance count fully at first, since
 //!    few patches may tell how it slides along the others (graduated non-convexity: Blake and
-//!    Zisserman, 1987). The pose at which most patches agree is taken, near ones before far ones.
-//! 4. Rounds with all views, from there on. The prior of the others does not follow from its error.
+//!    Zisserman, 1987). The pose at which most patches agree and fewest contradict is taken, near
+//!    ones before far ones.
+//! 4. Rounds with all views, from there on. The prior of the others does not follow from its error,
+//!    and its own one is as large as its error is.
 //! 5. If it contradicts the others then, it keeps its given pose, and all is as it was before.
 
 use super::motion::motion_between;
 use super::observations::State;
 use super::pairs::Spread;
 use super::{Rounds, candidates};
-use crate::judge::{contradicting, places_of, root_of_far};
+use crate::judge::{contradicting, likelihood, places_of, root_of_far};
 use crate::prior::PosePrior;
 use crate::tuning::{EXACT, MOTION_POINTS, NARROWING, OBSERVATIONS, SETTLING_ALONE};
 use transect_device::Isometry3;
@@ -55,14 +57,12 @@ impl Rounds<'_> {
             alone.add(&[(view, *pose)], &lost);
             alone.settle(view, places.off)
         });
-        let mut settled: Vec<(Isometry3, f64)> = settled.collect();
-        settled.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut poses = self.poses.clone();
-        let agrees = |pose: &Isometry3| {
-            poses[view] = *pose;
-            !contradicting(&self.scene.views, &poses, misplaced).contains(&view)
-        };
-        settled.into_iter().map(|(pose, _)| pose).find(agrees)
+        let probable = settled.filter_map(|(pose, worth)| {
+            poses[view] = pose;
+            Some((pose, worth * likelihood(&self.scene.views, &poses, view, misplaced)?))
+        });
+        probable.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
     }
 
     /// Moves one view alone that is off by so much. Returns its pose, and how probable it is.

@@ -159,20 +159,7 @@ impl Errors {
     }
 }
 
-impl std::ops::Add for Evidence {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { squares: self.squares + other.squares, known: self.known + other.known }
-    }
-}
-
 impl Evidence {
-    /// The same with errors in units that are smaller by a factor.
-    pub fn in_other_units(self, factor: f64) -> Self {
-        Self { squares: self.squares * factor * factor, ..self }
-    }
-
     /// How many times as large as assumed the variance is.
     pub fn factor(&self) -> f64 {
         // Half a component at least, so that a variance that explains nothing shrinks step by step.

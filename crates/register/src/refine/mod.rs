@@ -173,7 +173,7 @@ struct Rounds<'a> {
     stated: bool,
     /// Views that were brought back. Their errors tell nothing of those of the others.
     loose: Vec<bool>,
-    /// How far these views may be off: as far as all views are together.
+    /// How far these views may be off: as far as they were found from their given poses.
     prior_of_loose: PosePrior,
     /// Whether scales of cameras are not looked for.
     scales_stay: bool,
@@ -419,11 +419,7 @@ impl<'a> Rounds<'a> {
         let errors = Errors::new(&motions, root, |k| before.in_units(k));
         if !self.stated {
             let of_others = self.drift.size(&errors, |k| self.prior_of(k).is_none());
-            let of_loose = self.drift.size(&errors, |k| self.loose[k]);
-            let units = self.prior.rotation / self.prior_of_loose.rotation;
-            let of_all = of_loose + of_others.in_other_units(units);
             self.prior = estimated_prior(&self.prior, &of_others);
-            self.prior_of_loose = estimated_prior(&self.prior_of_loose, &of_all);
         }
         self.drift.learn(&errors);
     }

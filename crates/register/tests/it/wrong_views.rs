@@ -65,6 +65,21 @@ fn a_view_turned_by_30_degrees_comes_back() {
     }
 }
 
+/// More of the tunnel agrees farther along it, where it sees more of what the others saw.
+#[test]
+fn a_view_that_comes_back_does_not_slide_along_a_tunnel() {
+    let exact = simulated("tunnel", "");
+    let mut views = exact.clone();
+    views[1] = turned(&exact[1], 1, 10.0);
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+    let place = |pose: &Isometry3| pose.translation.vector;
+    for (k, (pose, exact)) in refinement.poses.iter().zip(&exact).enumerate() {
+        let off = (place(&pose.world_from_sensor) - place(exact.world_from_sensor())).norm();
+        assert!(off < 0.02, "{k} is {off} m off");
+    }
+    assert_eq!(refinement.poses[1].outcome, PoseOutcome::BroughtBack);
+}
+
 /// All other views err, too, and tell where it belongs once they are refined without it.
 #[test]
 fn a_view_far_off_comes_back_among_views_that_err() {

@@ -14,8 +14,8 @@
 //! 3. A few points tell the better of the poses, and then all points the best of these
 //!    (`surface.rs`).
 //! 4. Least squares along the rays begin at the best ones, and at the given pose (`motion.rs`).
-//! 5. Of the poses that make peace, those with the most agreement count, and near ones before far
-//!    ones: a view of a round thing agrees at many.
+//! 5. The best of them slide along the surfaces to where fewer patches contradict (`slide.rs`).
+//!    Near ones count before far ones: a view of a round thing agrees at many poses.
 //!
 //! **Limit.** A pose may move the view's surface as far as that is from the sensor, which a turn by
 //! 60 degrees does. Farther away, scenes repeat themselves: a view into one leg of a tunnel fits
@@ -26,16 +26,18 @@
 
 mod pairs;
 mod points;
+mod slide;
 mod surface;
 
-use super::blame::{Counts, Table};
+use super::blame::Table;
 use super::evidence::Evidence;
-use super::motion::{Changed, moved_from};
+use super::motion::{Changed, moved_from, moved_to};
 use super::pair::Placing;
-use super::tuning::{BAD_IF_RIGHT, LEAST_COMPARED};
+use super::tuning::LEAST_COMPARED;
 use pairs::{PairTable, Shape};
 use points::{Oriented, of_view, spacing, thinned};
 use rayon::prelude::*;
+use slide::Steps;
 use std::cmp::Reverse;
 use surface::{NEAR, Surface};
 use transect_device::{Isometry3, median};
@@ -65,9 +67,9 @@ const BETTER: usize = 600;
 /// Doubled, these rounds take twice the time.
 const BEST: usize = 48;
 
-/// Poses that are looked at with all patches. No unit. Chosen by hand: where hardly anything tells
-/// the turn about an axis, several are close to the right one. Doubled, moving the view alone takes
-/// twice the time.
+/// Poses that slide along the surfaces, and are then looked at with all patches. No unit. Chosen by
+/// hand: where hardly anything tells the turn about an axis, several are close to the right one.
+/// Doubled, both take twice the time.
 const FINALISTS: usize = 6;
 
 /// Points by which two poses are told apart. No unit. Theory: three tell a motion. Doubled, each
@@ -102,19 +104,16 @@ pub(super) fn places(
     let wanted = Wanted { own: thinned(&own, spacing), spacing, given, far };
     let mut starts = wanted.starts(&others);
     starts.push(given);
-    let moved = |start: &Isometry3| moved_from(evidence, view, start, &right);
+    let moved = |from: &Isometry3| moved_from(evidence, view, from, &right);
+    let at = |pose: &Isometry3| moved_to(evidence, view, pose, &right);
+    let agreement = |c: &Changed| c.counts.good as f64 * table.likelihood(c.counts, blamed);
     let mut tried: Vec<Changed> = starts.par_iter().map(moved).collect();
-    let least = table.least_share(blamed);
-    tried.retain(|c| c.counts.all() >= LEAST_COMPARED && c.counts.bad_share() < least);
-    let worth = |c: &Changed| wanted.worth(&c.placing.world_from_sensor, c.counts);
-    tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    let mut poses: Vec<Isometry3> = Vec::new();
-    for changed in tried {
-        let pose = changed.placing.world_from_sensor;
-        if poses.len() < FINALISTS && poses.iter().all(|other| wanted.differ(other, &pose)) {
-            poses.push(pose);
-        }
-    }
+    tried.retain(|c| c.counts.all() >= LEAST_COMPARED);
+    let steps = Steps::of(&wanted.own, spacing);
+    let slid = |start: &Changed| steps.slid(*start, at, moved, agreement);
+    let slid = wanted.best(tried, agreement).par_iter().map(slid).collect();
+    let best = wanted.best(slid, agreement);
+    let poses = best.iter().map(|c| c.placing.world_from_sensor).collect();
     Some(Places { poses, off: NEAR * spacing })
 }
 
@@ -188,10 +187,20 @@ impl Wanted {
         moved.sum::<f64>() / self.own.len().min(points).max(1) as f64
     }
 
-    /// How probable a pose is. Each contradiction takes as many agreements as it is less likely.
-    fn worth(&self, pose: &Isometry3, counts: Counts) -> f64 {
-        let agreement = counts.good as f64 + BAD_IF_RIGHT.ln() * counts.bad as f64;
-        agreement / root_of_far(self.moves(pose, usize::MAX), self.spacing)
+    /// The best poses that differ: those with much agreement, and near ones before far ones.
+    fn best(&self, mut of: Vec<Changed>, agreement: impl Fn(&Changed) -> f64) -> Vec<Changed> {
+        let pose = |c: &Changed| c.placing.world_from_sensor;
+        let far = |c: &Changed| root_of_far(self.moves(&pose(c), usize::MAX), self.spacing);
+        let worth = |c: &Changed| agreement(c) / far(c);
+        of.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        let mut best: Vec<Changed> = Vec::new();
+        for changed in of {
+            let differs = best.iter().all(|other| self.differ(&pose(other), &pose(&changed)));
+            if differs && best.len() < FINALISTS {
+                best.push(changed);
+            }
+        }
+        best
     }
 
     /// Whether two poses are farther from each other than the points.
