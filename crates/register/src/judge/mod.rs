@@ -232,8 +232,8 @@ pub(crate) fn contradicting(
     some.iter().filter(is_bad).copied().collect()
 }
 
-/// How likely a right view contradicts those that are not wrong as much as this one does at these
-/// poses; `None` if it stands out among them.
+/// How probable such contradictions are in a right view, if this view has them at these poses with
+/// those that are not wrong; `None` if it stands out among these.
 pub(crate) fn likelihood(
     sorted: &[&CoarseView],
     poses: &[Isometry3],

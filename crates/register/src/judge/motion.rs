@@ -97,6 +97,7 @@ fn sought(
     changed(evidence, view, placing, right)
 }
 
+/// The view at a placing, compared with the others there.
 fn changed(evidence: &Evidence<'_>, view: usize, placing: Placing, right: &[usize]) -> Changed {
     let rows = compared(evidence, view, placing, right, REACH);
     let met = rows.iter().map(|(s, _)| s).filter(|s| s.met).map(|s| s.distance.abs());

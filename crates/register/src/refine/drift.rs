@@ -4,9 +4,9 @@
 //! carried drifts: successive views err nearly alike, and distant views do not. A prior of
 //! independent errors resists the correction of a drift, because it moves every view.
 //!
-//! **Idea.** The error of a view is the sum of an error of its own and of a random walk along the
-//! views in the order of their names. The evidence tells the share of the walk (Harville, 1977),
-//! as it tells the size of the errors.
+//! **Idea.** The error of a view has two parts: one of its own, and a random walk along the views
+//! in the order of their names. The evidence tells the share of the walk (Harville, 1977), as it
+//! tells the size of the errors.
 //!
 //! **Departure.** The walk is taken about its mean, and the motion that all views share is free: it
 //! is taken out in the end. A prior that holds it at zero bends the scan where the walk started at

@@ -79,8 +79,32 @@ impl Steps {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::blame::Counts;
+    use super::super::super::pair::Placing;
     use super::*;
     use transect_device::Point3;
+
+    /// Slides along a floor, where patches contradict and agree by the distance along x.
+    fn slid_from(x: f64, counts: impl Fn(f64) -> [usize; 2]) -> f64 {
+        let at = |pose: &Isometry3| {
+            let [good, bad] = counts(pose.translation.x);
+            let placing = Placing { world_from_sensor: *pose, scale: 1.0 };
+            Changed { placing, counts: Counts { good, bad, unclear: 0 }, cost: 0.0 }
+        };
+        let agreement = |c: &Changed| c.counts.good as f64 * (-200.0 * c.counts.bad_share()).exp();
+        let steps = Steps::of(&corner(false), 0.1);
+        let start = at(&Isometry3::translation(x, 0.0, 0.0));
+        steps.slid(start, at, at, agreement).placing.world_from_sensor.translation.x
+    }
+
+    #[test]
+    fn a_pose_slides_to_where_nothing_contradicts_and_no_farther() {
+        let off = |x: f64| (100.0 * x.abs()) as usize;
+        let slid = slid_from(0.7, |x| [1000, off(x)]);
+        assert!(slid.abs() < 0.06, "{slid}");
+        // More agrees farther along, but nothing contradicts where it is.
+        assert_eq!(slid_from(0.7, |x| [1000 + off(x).min(200), 0]), 0.7);
+    }
 
     /// Points on a floor, and on a wall beside it where there is one.
     fn corner(has_wall: bool) -> Vec<Oriented> {
