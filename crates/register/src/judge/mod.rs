@@ -28,7 +28,7 @@ use evidence::Evidence;
 use motion::{Change, Changed, best};
 use rayon::prelude::*;
 use region::{Regions, regions};
-pub(crate) use search::{Places, root_of_far};
+pub(crate) use search::{Places, root_of_far, squares_apart};
 use std::cmp::Reverse;
 use transect_device::Isometry3;
 use tuning::{BAD_IF_RIGHT, LEAST_COMPARED, MENDED, REGION_SHARE};
@@ -188,16 +188,16 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
 /// Wrong views among right ones, each by its place in the order.
 #[derive(Debug, Default)]
 pub(crate) struct Suspects {
-    /// Views that contradict the others at their given poses.
+    /// Views that contradict the others.
     pub turned: Vec<usize>,
     /// Views that agree once their lengths are divided by one number.
     pub scaled: Vec<usize>,
 }
 
-/// The views that are named as wrong, each by itself, where all others agree at their given poses.
-/// Where these err, too, it is chance which view stands out.
-pub(crate) fn suspects(sorted: &[&CoarseView]) -> Suspects {
-    let evidence = Evidence::new(sorted);
+/// The views that are named as wrong, each by itself, where all others agree at these poses. Where
+/// these err, too, it is chance which view stands out.
+pub(crate) fn suspects(sorted: &[&CoarseView], poses: &[Isometry3]) -> Suspects {
+    let evidence = Evidence::at(sorted, poses);
     let table = evidence.table();
     let mut blamed = table.blamed();
     let excused = |view: &usize| {

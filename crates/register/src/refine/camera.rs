@@ -284,6 +284,12 @@ impl Cameras {
         free.map(|at| changes[at].abs() / root.column(at).norm())
     }
 
+    /// The errors of the scales and focal lengths of all cameras.
+    pub fn scales(&self) -> DVector<f64> {
+        let all = self.list.iter().flat_map(|camera| camera.errors.iter().skip(NODES).copied());
+        DVector::from_iterator(self.list.len() * (UNKNOWNS - NODES), all)
+    }
+
     /// Adds the changes of a round.
     pub fn change(&mut self, changes: &DVectorView<'_, f64>) {
         for (k, camera) in self.list.iter_mut().enumerate() {

@@ -20,8 +20,8 @@
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
 //! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
-//! 7. A view that does not fit the others, or moves far, is left out, and the rounds are repeated.
-//!    In the end it is brought back: `bring_back.rs`.
+//! 7. A view that does not fit the others, moves far or contradicts them at their new poses is left
+//!    out, and the rounds are repeated. In the end it is brought back: `bring_back.rs`.
 //!
 //! Where all views but a few agree at their given poses, these few are left out from the start. A
 //! view stays where it is if a scale of its lengths explains what contradicts.
@@ -49,7 +49,7 @@ use crate::prior::{PosePrior, PriorError};
 use crate::tuning::{
     BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS,
     LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
-    SCALE_RUNS, SETTLED, SUMS,
+    SCALE_RUNS, SCALE_SETTLED, SETTLED, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
 use drift::{Drift, Errors, estimated_prior};
@@ -101,7 +101,7 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Result<PoseRefin
 fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
     let may_move = stated(&views, options).is_none();
-    let Suspects { turned, scaled } = suspects(&views);
+    let Suspects { turned, scaled } = suspects(&views, &given);
     let scene = scene(views, &given);
     let mut misplaced = scaled.clone();
     misplaced.extend(turned.into_iter().filter(|_| may_move));
@@ -109,7 +109,8 @@ fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefine
         let mut rounds = Rounds::new(&scene, given.clone(), options, &misplaced);
         rounds.run();
         let far_off = || rounds.farthest_off().filter(|_| may_move);
-        match rounds.worst_view().or_else(far_off) {
+        let contradicts = || rounds.contradicting_view(&misplaced).filter(|_| may_move);
+        match rounds.worst_view().or_else(far_off).or_else(contradicts) {
             Some(view) if misplaced.len() < MOST_MISPLACED => misplaced.push(view),
             _ => break rounds,
         }
@@ -307,13 +308,16 @@ impl<'a> Rounds<'a> {
         self.cameras = self.cameras.freed(parts, |k| free.get(k) == Some(&true));
         let mut odds = Vec::new();
         for _ in 0..SCALE_RUNS {
+            let last = self.cameras.scales();
             self.poses.clone_from_slice(begin);
             self.last_change.fill(0.0);
             let settled = self.run_rounds();
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
             odds = self.odds(FOCAL_SIGMAS);
             let is_wrong = |odds: &Odds| odds.scale_is_wrong() || odds.focal_is_wrong();
-            if settled || !odds.iter().any(is_wrong) {
+            let scales = self.cameras.scales();
+            let holds = (&scales - last).norm() <= SCALE_SETTLED * scales.norm();
+            if settled || holds || !odds.iter().any(is_wrong) {
                 break;
             }
         }

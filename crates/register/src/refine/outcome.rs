@@ -123,14 +123,14 @@ impl Rounds<'_> {
         misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    /// The view that turned farthest of those that are far off. It may have drawn the others with
+    /// The view that moved farthest of those that are far off. It may have drawn the others with
     /// it, and came to a pose near its given one, which need not be the best.
     pub(super) fn farthest_off(&self) -> Option<usize> {
         let motions = self.motions();
-        let turned = |k: &usize| motions[*k].fixed_rows::<3>(3).norm();
+        let moved = |k: &usize| self.surface_moves(&motions[*k]);
         let far_off = self.far_off(|| self.whole_system());
         let views = (0..far_off.len()).filter(|k| far_off[*k]);
-        views.max_by(|a, b| turned(a).total_cmp(&turned(b)))
+        views.max_by(|a, b| moved(a).total_cmp(&moved(b)))
     }
 
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
@@ -230,14 +230,17 @@ impl Rounds<'_> {
         self.motions().iter().zip(covariances).all(|(motion, c)| is_within(motion, c))
     }
 
-    /// Which views turned far more than most, and moved by more than their images and poses are
-    /// uncertain by. The system of all pairs takes as long as a round: it is asked for only where a
-    /// view turned far.
+    /// Which views turned or shifted far more than most, and moved by more than their images and
+    /// poses are uncertain by. The system of all pairs takes as long as a round: it is asked for
+    /// only where a view moved far.
     pub(super) fn far_off(&self, system: impl FnOnce() -> Option<System>) -> Vec<bool> {
         let motions = self.motions();
-        let turned = |motion: &Motion| motion.fixed_rows::<3>(3).norm();
-        let typical = median(motions.iter().map(turned)).unwrap_or(0.0);
-        if motions.iter().all(|motion| turned(motion) <= FAR_OFF * typical) {
+        let parts = [0, 3].map(|part| move |motion: &Motion| motion.fixed_rows::<3>(part).norm());
+        let typical = parts.map(|part| median(motions.iter().map(part)).unwrap_or(0.0));
+        let is_unusual = |motion: &Motion| {
+            parts.iter().zip(typical).any(|(part, typical)| part(motion) > FAR_OFF * typical)
+        };
+        if !motions.iter().any(is_unusual) {
             return vec![false; motions.len()];
         }
         let system = system();
@@ -251,7 +254,7 @@ impl Rounds<'_> {
             let variances = system.as_ref().map_or_else(Motion::zeros, alone);
             let uncertain = self.surface_moves(&variances.map(f64::sqrt)).hypot(self.noise(k));
             let allowed = GATE * apart.hypot(uncertain);
-            turned(motion) > FAR_OFF * typical && self.surface_moves(motion) > allowed
+            is_unusual(motion) && self.surface_moves(motion) > allowed
         };
         motions.iter().enumerate().map(is_far_off).collect()
     }

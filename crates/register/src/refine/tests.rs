@@ -4,7 +4,7 @@ use super::observations::{CameraSlopes, Observation};
 use super::outcome::medians;
 use super::*;
 use crate::scrambled::scrambled;
-use crate::tuning::PARTNERS;
+use crate::tuning::{PARTNERS, SHARED};
 use transect_device::{RangeImage, View};
 use transect_scene::{BUNDLED_SCENES, Description, Noise};
 
@@ -221,6 +221,33 @@ fn draws(seed: u32) -> impl Iterator<Item = f64> {
 }
 
 #[test]
+fn waves_along_the_views_are_those_of_a_walk() {
+    const VIEWS: usize = 25;
+    let mut drift = Drift::of(VIEWS);
+    drift.release();
+    let share = drift.share();
+    let walk = DMatrix::from_fn(VIEWS, VIEWS, |i, j| i.min(j) as f64);
+    let about_mean = DMatrix::identity(VIEWS, VIEWS).add_scalar(-1.0 / VIEWS as f64);
+    let walk = &about_mean * walk * &about_mean;
+    let walk = &walk * (VIEWS as f64 / walk.trace());
+    let correlations =
+        (DMatrix::identity(VIEWS, VIEWS) * (1.0 - share) + walk * share).add_scalar(SHARED);
+    let off = drift.precision() * correlations - DMatrix::identity(VIEWS, VIEWS);
+    assert!(off.amax() < 1e-9, "{}", off.amax());
+
+    let all = drift.precision().clone();
+    drift.leave_out(&[3, 24]);
+    let left = drift.precision();
+    assert!((left.column(3) - DMatrix::identity(VIEWS, VIEWS).column(3)).amax() < 1e-12);
+    assert!((left.column(24) - DMatrix::identity(VIEWS, VIEWS).column(24)).amax() < 1e-12);
+    let mut fewer = Drift::of(VIEWS - 2);
+    fewer.release();
+    let rest = left.clone().remove_columns_at(&[3, 24]).remove_rows_at(&[3, 24]);
+    assert!((rest - fewer.precision()).amax() < 1e-12);
+    assert!((left - all).amax() > 0.1);
+}
+
+#[test]
 fn errors_tell_whether_poses_drift() {
     const VIEWS: usize = 40;
     let exact = DMatrix::identity(6 * VIEWS, 6 * VIEWS) * 1e-9;
@@ -228,7 +255,7 @@ fn errors_tell_whether_poses_drift() {
         let mut drift = Drift::of(VIEWS);
         drift.release();
         let mut prior = PosePrior { rotation: 1.0, translation: 1.0 };
-        for _ in 0..100 {
+        for _ in 0..PRIOR_ROUNDS {
             let before = Before {
                 priors: &[prior; VIEWS],
                 moved: errors,

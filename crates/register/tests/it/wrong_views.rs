@@ -84,16 +84,23 @@ fn a_view_that_comes_back_does_not_slide_along_a_tunnel() {
 #[test]
 fn a_view_far_off_comes_back_among_views_that_err() {
     let exact = simulated("face_mask", "");
-    let err = |(k, view): (usize, &View)| turned(view, k % 3, if k == 1 { 10.0 } else { 0.1 });
-    let views: Vec<View> = exact.iter().enumerate().map(err).collect();
-    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
-    let pose = |k: usize| refinement.poses[k].world_from_sensor;
-    let truth = |k: usize| exact[k].world_from_sensor();
-    for k in [0, 2, 3] {
-        let between = pose(1).inverse() * pose(k);
-        let wanted = truth(1).inverse() * truth(k);
-        let degrees = between.rotation.angle_to(&wanted.rotation).to_degrees();
-        assert!(degrees < 0.05, "{k} and 1 are {degrees} degrees off each other");
+    let turned_far = turned(&exact[1], 1, 10.0);
+    let aside = exact[1].world_from_sensor() * Isometry3::translation(40.0, 30.0, 0.0);
+    for wrong in [turned_far, exact[1].with_pose(aside).unwrap()] {
+        let err = |(k, view): (usize, &View)| {
+            if k == 1 { wrong.clone() } else { turned(view, k % 3, 0.1) }
+        };
+        let views: Vec<View> = exact.iter().enumerate().map(err).collect();
+        let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+        assert_eq!(refinement.poses[1].outcome, PoseOutcome::BroughtBack, "{refinement:?}");
+        let pose = |k: usize| refinement.poses[k].world_from_sensor;
+        let truth = |k: usize| exact[k].world_from_sensor();
+        for k in [0, 2, 3] {
+            let between = pose(1).inverse() * pose(k);
+            let wanted = truth(1).inverse() * truth(k);
+            let degrees = between.rotation.angle_to(&wanted.rotation).to_degrees();
+            assert!(degrees < 0.05, "{k} and 1 are {degrees} degrees off each other");
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use transect_device::View;
 use transect_geometry::{Curve, LengthUnit, PlaneIndex};
 use transect_model::Model;
 use transect_register::RefineOptions;
-use transect_scene::{Noise, Station};
+use transect_scene::{Description, Noise, Station};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 /// Removes an error.
@@ -87,9 +87,7 @@ const KITCHENS: [(Option<u64>, u32); 6] =
 
 /// The kitchen as given, at refined poses, and with corrected images, too.
 fn of_kitchen((seed, denser): (Option<u64>, u32)) -> Result<Vec<String>, Failure> {
-    let mut description = describe("kitchen".as_ref())?;
-    description.noise.seed = seed.unwrap_or(description.noise.seed);
-    (0..denser).for_each(|_| description.stations = with_frames_between(&description.stations));
+    let description = kitchen(seed, denser)?;
     let name = seed.map_or("its own seed".to_owned(), |seed| format!("seed {seed}"));
     let name = format!("{name}, {} frames", description.stations.len());
     let scene = PreparedScene::new(description)?;
@@ -110,11 +108,21 @@ fn of_kitchen((seed, denser): (Option<u64>, u32)) -> Result<Vec<String>, Failure
     Ok(cells)
 }
 
+/// The kitchen with a seed of its noise, or its own. `denser` tells how often frames are taken
+/// between those of the scene.
+pub fn kitchen(seed: Option<u64>, denser: u32) -> Result<Description, Failure> {
+    let mut description = describe("kitchen".as_ref())?;
+    description.noise.seed = seed.unwrap_or(description.noise.seed);
+    (0..denser).for_each(|_| description.stations = with_frames_between(&description.stations));
+    Ok(description)
+}
+
 /// The stations, and one half way between each and the next.
 fn with_frames_between(stations: &[Station]) -> Vec<Station> {
     let half_way = |pair: &[Station]| {
         let mut between = pair[0].clone();
-        between.name = format!("after {}", pair[0].name);
+        // Registration takes the frames in the order of their names, as they follow each other.
+        between.name = format!("{}, half way", pair[0].name);
         let next = &pair[1].world_from_sensor;
         between.world_from_sensor = pair[0].world_from_sensor.lerp_slerp(next, 0.5);
         between

@@ -15,7 +15,13 @@
 //!    (`surface.rs`).
 //! 4. Least squares along the rays begin at the best ones, and at the given pose (`motion.rs`).
 //! 5. The best of them slide along the surfaces to where fewer patches contradict (`slide.rs`).
-//!    Near ones count before far ones: a view of a round thing agrees at many poses.
+//!    Near ones count before far ones: a view of a round thing, or along a wall, agrees at many
+//!    poses.
+//!
+//! **Worth.** Forty frames of a depth camera in a room, and in a kitchen, whose poses all err; one
+//! of 14 is turned by 10 or 30 degrees. Of these 28 trials 7 come back within 6 cm and 2 degrees if
+//! contradictions are only limited, and 17 if they count by how unusual they are. They are 21 with
+//! slides, and 27 if turn and shift count each for itself.
 //!
 //! **Limit.** A pose may move the view's surface as far as that is from the sensor, which a turn by
 //! 60 degrees does. Farther away, scenes repeat themselves: a view into one leg of a tunnel fits
@@ -40,7 +46,7 @@ use rayon::prelude::*;
 use slide::Steps;
 use std::cmp::Reverse;
 use surface::{NEAR, Surface};
-use transect_device::{Isometry3, median};
+use transect_device::{Isometry3, Point3, median};
 
 /// Points of all right views together, at most. No unit. Chosen by hand: the table of their pairs
 /// takes 20 MiB at most. Doubled, large scenes take four times the time.
@@ -117,13 +123,27 @@ pub(super) fn places(
     Some(Places { poses, off: NEAR * spacing })
 }
 
-/// What agreement with the others is divided by: the root of how far a pose moves the view, `off`
-/// at least.
+/// What agreement with the others is divided by: the root of how far a pose is from the given one,
+/// `off` at least. `apart` is the square of that.
 ///
 /// A view of a round thing agrees at many poses, and the nearest of them is wanted. A pose four
 /// times as far away must have twice the agreement.
-pub(crate) fn root_of_far(mean_square: f64, off: f64) -> f64 {
-    mean_square.sqrt().max(off).sqrt()
+pub(crate) fn root_of_far(apart: f64, off: f64) -> f64 {
+    apart.sqrt().max(off).sqrt()
+}
+
+/// How far two poses of a view with these points are apart: the mean square of how far the turn
+/// moves the points, and the square of how far the sensor is. Both count for themselves: a slide
+/// along a wall that takes back what a turn moves is no nearer pose.
+pub(crate) fn squares_apart(
+    from: &Isometry3,
+    to: &Isometry3,
+    points: impl Iterator<Item = Point3>,
+) -> f64 {
+    let turned = points.map(|p| (to.rotation * p - from.rotation * p).norm_squared());
+    let (sum, count) = turned.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    let shifted = to.translation.vector - from.translation.vector;
+    sum / f64::max(count, 1.0) + shifted.norm_squared()
 }
 
 /// The points of a view that is far off.
@@ -180,11 +200,9 @@ impl Wanted {
         scored
     }
 
-    /// Mean square of how far a pose moves the first points from where they were given.
+    /// How far a pose is from the given one, by the first points: [`squares_apart`].
     fn moves(&self, pose: &Isometry3, points: usize) -> f64 {
-        let first = self.own.iter().take(points);
-        let moved = first.map(|o| (pose * o.point - self.given * o.point).norm_squared());
-        moved.sum::<f64>() / self.own.len().min(points).max(1) as f64
+        squares_apart(&self.given, pose, self.own.iter().take(points).map(|o| o.point))
     }
 
     /// The best poses that differ: those with much agreement, and near ones before far ones.

@@ -5,8 +5,10 @@
 //! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
 //! times half the part's size.
 //!
-//! `one_wrong.rs` turns one view alone.
+//! `one_wrong.rs` turns one view alone, and `one_frame.rs` one of a depth camera's frames that all
+//! err.
 
+mod one_frame;
 mod one_wrong;
 
 use super::lab::Lab;
@@ -72,7 +74,8 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     say("Distances in mm from the true sections.");
     let figure = chart(&curves);
     lab.picture("poses", |file| figure.write(file))?;
-    one_wrong::table(lab)
+    one_wrong::table(lab)?;
+    one_frame::table(lab)
 }
 
 /// The median errors by the pose errors, as given and refined.
