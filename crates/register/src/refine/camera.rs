@@ -38,8 +38,8 @@ use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
 
 const ROWS: usize = CAMERA_GRID.0;
 const COLS: usize = CAMERA_GRID.1;
-/// Precision of the relative change of 1 / depth, and of the errors of the focal lengths, of a
-/// camera that may err in them, and of one that is right.
+/// Precisions of the relative change of 1 / depth and of the relative errors of the focal lengths:
+/// of a camera that may err in them, and of a right one.
 const FREE_SCALE: f64 = 1.0 / (FIRST_CAMERA_ERROR * FIRST_CAMERA_ERROR);
 const SOUND_SCALE: f64 = FREE_SCALE / (EXACT * EXACT);
 /// Nodes of the grid of one camera.
@@ -284,7 +284,7 @@ impl Cameras {
         free.map(|at| changes[at].abs() / root.column(at).norm())
     }
 
-    /// The errors of the scales and focal lengths of all cameras.
+    /// The relative changes of 1 / depth and the relative errors of `fx` and `fy`, of all cameras.
     pub fn scales(&self) -> DVector<f64> {
         let all = self.list.iter().flat_map(|camera| camera.errors.iter().skip(NODES).copied());
         DVector::from_iterator(self.list.len() * (UNKNOWNS - NODES), all)

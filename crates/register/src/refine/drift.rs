@@ -11,8 +11,8 @@
 //! **Steps.** The covariances of a walk about its mean are the inverse of the Laplacian of a path.
 //! Its eigenvectors are cosines (Strang, The discrete cosine transform, 1999), and those of the
 //! views' own errors, too. So both parts are sums over waves along the views. The share is learned
-//! until it settles, for errors as they are. One update for each change of the poses left it on its
-//! way, and a wrong scale was not found in a simulated kitchen (`SHARE_ROUNDS`).
+//! until it settles, before the poses change. With one update for each change of the poses it does
+//! not settle, and a wrong scale is not found in a simulated kitchen (`SHARE_ROUNDS`).
 //!
 //! **Departure.** The walk is taken about its mean, and the motion that all views share is free: it
 //! is taken out in the end. A prior that holds it at zero bends the scan where the walk started at
@@ -196,6 +196,7 @@ impl Errors {
         Self { values, covariance }
     }
 
+    /// The same errors as sums over waves along the views.
     fn in_waves(&self, waves: &DMatrix<f64>) -> InWaves {
         let values = waves.tr_mul(&self.values);
         InWaves {

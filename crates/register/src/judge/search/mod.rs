@@ -20,8 +20,8 @@
 //!
 //! **Worth.** Forty frames of a depth camera in a room, and in a kitchen, whose poses all err; one
 //! of 14 is turned by 10 or 30 degrees. Of these 28 trials 7 come back within 6 cm and 2 degrees if
-//! contradictions are only limited, and 17 if they count by how unusual they are. They are 21 with
-//! slides, and 27 if turn and shift count each for itself.
+//! contradictions are only limited, and 17 if they count by how unusual they are. Slides take this
+//! to 21, and turn and shift that count separately take it to 27.
 //!
 //! **Limit.** A pose may move the view's surface as far as that is from the sensor, which a turn by
 //! 60 degrees does. Farther away, scenes repeat themselves: a view into one leg of a tunnel fits
@@ -133,8 +133,8 @@ pub(crate) fn root_of_far(apart: f64, off: f64) -> f64 {
 }
 
 /// How far two poses of a view with these points are apart: the mean square of how far the turn
-/// moves the points, and the square of how far the sensor is. Both count for themselves: a slide
-/// along a wall that takes back what a turn moves is no nearer pose.
+/// moves the points, and the square of how far the sensor is. They count separately: a slide along
+/// a wall that takes back what a turn moves is no nearer pose.
 pub(crate) fn squares_apart(
     from: &Isometry3,
     to: &Isometry3,

@@ -38,8 +38,8 @@ const MOTIONS: [([f64; 2], &str); 4] = [
 /// Seed of their directions.
 const DIRECTIONS: u64 = 5;
 
-/// Where a frame counts as back: a turn in degrees, and a distance in metres. Chosen by hand:
-/// what is left is refined, and sections are not doubled. Doubled, slides along a wall count.
+/// Where a frame counts as back: a turn in degrees, and a distance in metres. Chosen by hand: most
+/// others lie farther along a wall. Doubled, short slides count as back.
 const BACK: [f64; 2] = [2.0, 0.06];
 
 /// What became of a frame: its outcome, and by how many degrees and metres it is off.
@@ -64,7 +64,7 @@ pub fn table(lab: &Lab) -> Result<(), Failure> {
             lines.push(line(format!("{}, {motion_name}", scan.name), cells(&trials)));
         }
     }
-    let heads = "scan, motion | frames | back | brought back, but farther off | farthest, ° / m | stay and are named";
+    let heads = "scan, motion | frames | back | farther off, named | farther off, not named | farthest, ° / m";
     lab.table("one-frame", heads, lines)?;
     say("A frame is back within 2° and 6 cm of its exact place among the others.");
     Ok(())
@@ -149,14 +149,15 @@ impl Scan {
 
 fn cells(trials: &[Trial]) -> Vec<String> {
     let is_back = |off: &[f64; 2]| off.iter().zip(BACK).all(|(off, most)| *off <= most);
-    let stays =
-        |outcome: PoseOutcome| matches!(outcome, PoseOutcome::Misplaced | PoseOutcome::Alone);
-    let (back, others): (Vec<_>, Vec<_>) = trials.iter().partition(|(_, off)| is_back(off));
-    let (named, farther): (Vec<_>, Vec<_>) = others.into_iter().partition(|(o, _)| stays(*o));
+    // Warnings name all frames but these.
+    let is_silent =
+        |outcome: PoseOutcome| matches!(outcome, PoseOutcome::Refined | PoseOutcome::Kept);
+    let (back, farther): (Vec<_>, Vec<_>) = trials.iter().partition(|(_, off)| is_back(off));
     let farthest = farther.iter().map(|(_, off)| off).max_by(|a, b| a[1].total_cmp(&b[1]));
     let farthest = farthest.map_or("–".to_owned(), |[turn, distance]| {
         format!("{} / {}", digits(*turn), digits(*distance))
     });
-    let counts = [trials.len(), back.len(), farther.len()].map(|n| n.to_string());
-    counts.into_iter().chain([farthest, named.len().to_string()]).collect()
+    let silent = farther.iter().filter(|(outcome, _)| is_silent(*outcome)).count();
+    let counts = [trials.len(), back.len(), farther.len() - silent, silent];
+    counts.map(|n| n.to_string()).into_iter().chain([farthest]).collect()
 }
