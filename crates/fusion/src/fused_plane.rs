@@ -42,7 +42,8 @@ pub struct FusionCounts {
     pub crossings: usize,
 }
 
-/// The order of the curves of a fused plane: equal lengths by all that is known of the curves.
+/// The order of the curves of a fused plane: the longest first, and curves of equal length by all
+/// that is known of them.
 pub(crate) fn longest_first(a: &Curve, b: &Curve) -> Ordering {
     let by_length = b.length().total_cmp(&a.length());
     by_length.then_with(|| canonical(a, b))

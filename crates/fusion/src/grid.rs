@@ -101,6 +101,14 @@ impl PointGrid {
         self.starts.len() as u32 - 2
     }
 
+    /// The grid of the same points, numbered in the order of [`order`](Self::order).
+    pub fn renumbered(mut self) -> Self {
+        for (number, item) in self.items.iter_mut().enumerate() {
+            item.number = number as u32;
+        }
+        self
+    }
+
     /// The numbers of all points, sorted by cells: neighbours follow each other.
     pub fn order(&self) -> impl Iterator<Item = usize> {
         self.items.iter().map(|item| item.number as usize)

@@ -5,7 +5,7 @@ use crate::consensus::measure::{Observation, Observations};
 use crate::grid::PointGrid;
 use transect_geometry::{CurveUnit, EndReason, Point2, Vector2};
 
-/// How far from a range jump a gap may begin or end that the jump forbids, in footprints of the
+/// A range jump forbids gaps that begin or end within this distance of it, in footprints of its
 /// view. By hand: other views may see a little farther round the rim. Doubled: neighbouring
 /// surfaces of small parts are kept apart.
 const JUMP_FOOTPRINTS: f64 = 3.0;

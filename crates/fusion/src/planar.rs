@@ -29,11 +29,27 @@ const EVIDENCE_UNITS: usize = 8;
 /// changes but for curves that are noise alone.
 const LOOP_ROUNDS: usize = 4;
 
+/// The length below which loops and rests are left out.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shortest {
+    /// In mean footprints of the curve's nodes.
+    pub footprints: f64,
+    /// The footprint of nodes whose own one is not known.
+    pub unknown: f64,
+}
+
+impl Shortest {
+    fn of(self, nodes: &[Node]) -> f64 {
+        let footprint = |node: &Node| match node.footprint {
+            footprint if footprint > 0.0 => f64::from(footprint),
+            _ => self.unknown,
+        };
+        self.footprints * nodes.iter().map(footprint).sum::<f64>() / nodes.len() as f64
+    }
+}
+
 /// The curves without crossings, and the number of crossings that were found.
-pub(crate) fn without_crossings(
-    curves: Vec<Curve>,
-    shortest_footprints: f64,
-) -> (Vec<Curve>, usize) {
+pub(crate) fn without_crossings(curves: Vec<Curve>, shortest: Shortest) -> (Vec<Curve>, usize) {
     let mut curves: Vec<Curve> = curves.into_iter().filter_map(without_repeats).collect();
     let mut found = crossings(&curves);
     let count = found.len();
@@ -41,12 +57,12 @@ pub(crate) fn without_crossings(
         if !found.iter().any(|(a, b)| a.curve == b.curve) {
             break;
         }
-        cut_loops(&mut curves, &found, shortest_footprints);
+        cut_loops(&mut curves, &found, shortest);
         found = crossings(&curves);
     }
     // Cut loops shorten units, whose rounded ends may touch others.
     while !found.is_empty() {
-        curves = opened(curves, &found, shortest_footprints);
+        curves = opened(curves, &found, shortest);
         found = crossings(&curves);
     }
     (curves, count)
@@ -66,14 +82,14 @@ fn without_repeats(curve: Curve) -> Option<Curve> {
 }
 
 /// Cuts short loops off curves that cross themselves, as far as they do not overlap.
-fn cut_loops(curves: &mut [Curve], found: &[(UnitPlace, UnitPlace)], shortest_footprints: f64) {
+fn cut_loops(curves: &mut [Curve], found: &[(UnitPlace, UnitPlace)], shortest: Shortest) {
     // Crossings come in the order of their first curves.
     let own: Vec<_> = found.iter().filter(|(a, b)| a.curve == b.curve).collect();
     for own in own.chunk_by(|(a, _), (b, _)| a.curve == b.curve) {
         let Some(curve) = own.first().map(|(a, _)| &mut curves[a.curve]) else { continue };
         let arc = arc_lengths(curve.units().map(|unit| unit.vector().norm()));
         let loops = own.iter().map(|(a, b)| Loop::new(&arc, curve.is_closed(), a.unit, b.unit));
-        let shortest = shortest_footprints * mean_footprint(curve.nodes());
+        let shortest = shortest.of(curve.nodes());
         let mut loops: Vec<_> = loops.filter(|l| l.length <= shortest).collect();
         loops.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.units.cmp(&b.units)));
         let mut cut: Vec<Loop> = Vec::new();
@@ -167,11 +183,7 @@ fn evidence(curve: &Curve, unit: usize) -> (bool, f64) {
 }
 
 /// The curves without the units that cross better ones.
-fn opened(
-    curves: Vec<Curve>,
-    found: &[(UnitPlace, UnitPlace)],
-    shortest_footprints: f64,
-) -> Vec<Curve> {
+fn opened(curves: Vec<Curve>, found: &[(UnitPlace, UnitPlace)], shortest: Shortest) -> Vec<Curve> {
     let mut crossed_by: BTreeMap<UnitPlace, Vec<UnitPlace>> = BTreeMap::new();
     for (a, b) in found {
         crossed_by.entry(*a).or_default().push(*b);
@@ -191,8 +203,7 @@ fn opened(
             accepted.insert(place)
         };
     }
-    let is_long =
-        |part: &Curve| part.length() >= shortest_footprints * mean_footprint(part.nodes());
+    let is_long = |part: &Curve| part.length() >= shortest.of(part.nodes());
     let parts = |(curve, whole): (usize, Curve)| {
         let all = UnitPlace { curve, unit: 0 }..=UnitPlace { curve, unit: usize::MAX };
         if left_out.range(all).next().is_none() {
@@ -206,14 +217,11 @@ fn opened(
     curves.into_iter().enumerate().flat_map(parts).collect()
 }
 
-/// Mean footprint; NaN without nodes.
-fn mean_footprint(nodes: &[Node]) -> f64 {
-    nodes.iter().map(|n| f64::from(n.footprint)).sum::<f64>() / nodes.len() as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const SHORTEST: Shortest = Shortest { footprints: 4.0, unknown: 0.1 };
 
     fn curve(places: &[(f64, f64)], views: u32, closed: bool) -> Curve {
         let node = |&(x, y): &(f64, f64)| {
@@ -231,7 +239,7 @@ mod tests {
     #[test]
     fn the_curve_that_more_views_saw_stays_whole() {
         let (wall, stray) = (line((0.0, 0.0), (2.0, 0.0), 5), line((0.97, -1.03), (1.07, 0.97), 1));
-        let (curves, count) = without_crossings(vec![stray, wall.clone()], 4.0);
+        let (curves, count) = without_crossings(vec![stray, wall.clone()], SHORTEST);
         assert_eq!(count, 1);
         assert!(curves.contains(&wall));
         assert_eq!(curves.len(), 3, "two parts of the stray");
@@ -241,7 +249,7 @@ mod tests {
     #[test]
     fn the_short_rest_beyond_a_crossing_goes() {
         let (wall, stray) = (line((0.0, 0.0), (2.0, 0.0), 5), line((1.0, -0.2), (1.1, 1.8), 1));
-        let (curves, _) = without_crossings(vec![wall, stray], 4.0);
+        let (curves, _) = without_crossings(vec![wall, stray], SHORTEST);
         let lowest = curves[1].nodes().iter().map(|n| n.position.y).fold(f64::INFINITY, f64::min);
         assert_eq!((curves.len(), lowest > 0.0), (2, true), "{lowest}");
     }
@@ -250,16 +258,29 @@ mod tests {
     fn a_small_loop_is_cut_off_at_its_crossing() {
         let looped =
             curve(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.9, 0.1), (0.9, -1.0)], 1, false);
-        let (curves, count) = without_crossings(vec![looped], 4.0);
+        let (curves, count) = without_crossings(vec![looped], SHORTEST);
         let places: Vec<_> = curves[0].nodes().iter().map(|n| n.position).collect();
         let wanted = [(0.0, 0.0), (0.9, 0.0), (0.9, -1.0)].map(|(x, y)| Point2::new(x, y));
         assert_eq!((count, places), (1, wanted.to_vec()));
     }
 
     #[test]
+    fn a_loop_is_short_whether_footprints_are_known_or_not() {
+        let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.9, 0.1), (0.9, -1.0)];
+        let unknown = |n: &Node| n.with_footprint(0.0);
+        let looped = curve(&places, 1, false);
+        let without: Vec<Node> = looped.nodes().iter().map(unknown).collect();
+        let [known, without] = [looped, Curve::new(without, false).unwrap()].map(|curve| {
+            let (curves, _) = without_crossings(vec![curve], SHORTEST);
+            curves.iter().map(|c| c.nodes().len()).collect::<Vec<_>>()
+        });
+        assert_eq!((known, without), (vec![3], vec![3]));
+    }
+
+    #[test]
     fn a_closed_curve_loses_a_loop_over_its_first_node() {
         let nodes = [(0.0, 0.1), (0.1, 0.1), (0.1, -2.0), (2.0, -2.0), (2.0, 0.0), (0.0, 0.0)];
-        let (curves, _) = without_crossings(vec![curve(&nodes, 1, true)], 4.0);
+        let (curves, _) = without_crossings(vec![curve(&nodes, 1, true)], SHORTEST);
         assert!(curves[0].is_closed());
         assert_eq!(curves[0].nodes().len(), 4);
         assert!(curves[0].nodes().iter().any(|n| n.position == Point2::new(0.1, 0.0)));
@@ -268,7 +289,7 @@ mod tests {
     #[test]
     fn a_large_loop_stays_and_is_opened() {
         let eight = curve(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)], 1, true);
-        let (curves, _) = without_crossings(vec![eight], 4.0);
+        let (curves, _) = without_crossings(vec![eight], SHORTEST);
         assert_eq!(crossings(&curves), []);
         assert!(curves.iter().map(Curve::length).sum::<f64>() > 6.0);
     }
@@ -280,7 +301,7 @@ mod tests {
             [node(1.0, -1.0), node(1.0, -0.5).with_bridged(true), node(1.0, 0.5), node(1.0, 1.0)];
         let bridged = Curve::new(ends.to_vec(), false).unwrap();
         let wall = line((0.0, 0.0), (2.0, 0.03), 1);
-        let (curves, _) = without_crossings(vec![bridged, wall.clone()], 4.0);
+        let (curves, _) = without_crossings(vec![bridged, wall.clone()], SHORTEST);
         assert!(curves.contains(&wall));
         assert_eq!(curves.len(), 3);
     }

@@ -62,7 +62,7 @@ pub use options::{ConsensusOptions, Steps};
 pub use steps::{ChainStep, ConsensusSteps, NodeStep, ObservationStep};
 
 use crate::fused_plane::{FusedPlane, FusionCounts, longest_first};
-use crate::planar::without_crossings;
+use crate::planar::{Shortest, without_crossings};
 use connect::Chains;
 use estimate::Estimate;
 use measure::{Measurements, Observations};
@@ -88,6 +88,9 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
 
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
 ///
+/// All curves are in one coordinate system of the plane, in one length unit, and have the solid on
+/// their left. So have those of the result. Views without nodes give a plane without curves.
+///
 /// ```
 /// use transect_fusion::{ConsensusOptions, consensus};
 /// use transect_geometry::{Curve, Node, Point2};
@@ -109,7 +112,7 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
     fuse(views, options, |_, _, _| ())
 }
 
-/// The same, and what each room handed on.
+/// Fuses as [`consensus`] does, and also returns the observations, the nodes and the chains.
 pub fn consensus_steps(
     views: &[&[Curve]],
     options: &ConsensusOptions,
@@ -138,7 +141,9 @@ fn fuse(
     watch(&measured, &estimate, &chains);
     let (curves, refused) = shape::shape(estimate, chains, &measured);
     let dropped = dropped + refused;
-    let (mut curves, crossings) = without_crossings(curves, options.shortest_footprints);
+    let unknown = measured.scale.spacing;
+    let shortest = Shortest { footprints: options.shortest_footprints, unknown };
+    let (mut curves, crossings) = without_crossings(curves, shortest);
     curves.sort_by(longest_first);
     FusedPlane {
         curves,

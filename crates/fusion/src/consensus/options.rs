@@ -13,8 +13,9 @@ pub struct ConsensusOptions {
     pub threshold_spreads: f64,
     /// Largest angle between the directions of two observations of one surface, in radians.
     pub direction_limit_rad: f64,
-    /// Shortest open curve that only one view measured, in footprints that were measured: gaps do
-    /// not count.
+    /// Shortest curve, in footprints that were measured: gaps do not count. A shorter one stays
+    /// without a gap if it is closed or two views measured it. Shorter loops and rests are left out
+    /// where curves crossed.
     pub shortest_footprints: f64,
     /// Steps to leave out, to measure what they are worth.
     #[doc(hidden)]
@@ -83,7 +84,7 @@ steps! {
     wider_courses,
     /// Groups of observations that rough fits treat as one.
     groups,
-    /// Groups that go to a kept node when their turn comes.
+    /// Groups that go to a node that stands already when their turn comes.
     late_absorption,
     /// The shift of a cluster on a bend towards the inside.
     bend_shift,
@@ -122,7 +123,7 @@ steps! {
     /// Short units that run backwards are removed, and units within the noise that turn by more
     /// than 90 degrees.
     backward,
-    /// Short chains of one view are left out where views err by more than the footprint.
+    /// Short chains of one view are left out on planes where curves moved onto common courses.
     lone_chains,
     /// Small closed chains become circles.
     rings,
@@ -130,6 +131,6 @@ steps! {
     corners,
     /// Short sides between two corners.
     short_sides,
-    /// Nodes between kept ones where the curve leaves the chord.
+    /// Nodes between neighbours where the curve leaves their chord.
     middle_nodes,
 }

@@ -51,7 +51,7 @@ use crate::envelopes::UnitIndex;
 use crate::fused_plane::{FusedPlane, FusionCounts, longest_first};
 use crate::ground::Ground;
 use crate::pattern::OverlapTolerance;
-use crate::planar::without_crossings;
+use crate::planar::{Shortest, without_crossings};
 use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
@@ -99,8 +99,8 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     pairwise_watched(views, options, &mut |_, _, _| ())
 }
 
-/// The same. Before each view is fused, `watch` gets its number, its curves without the bridges
-/// that another view contradicts, and the plane so far.
+/// Fuses as [`pairwise`] does, and calls `watch` before each view: with its number, its curves
+/// without the bridges that another view contradicts, and the plane so far.
 pub fn pairwise_watched(
     views: &[&[Curve]],
     options: &PairwiseOptions,
@@ -120,7 +120,7 @@ pub fn pairwise_watched(
             (REMAINDER_THRESHOLDS * scale.threshold).max(REMAINDER_FOOTPRINTS * spacing);
         OverlapTolerance::new(scale.threshold, scale.options.direction_limit_rad, remainder).ok()
     });
-    // A spread that is no number comes of coordinates that are none, and then nothing is near.
+    // Only coordinates so large that distances overflow give no threshold. Nothing is near then.
     let Some(tolerance) = tolerance else { return without_curves(views) };
     let ground = Ground::new(&measured.observations, &measured.grid);
     let mut plane = GrowingPlane::new(tolerance);
@@ -133,7 +133,8 @@ pub fn pairwise_watched(
     let growth = Some(*plane.counts());
     let seen = |c: Curve| bridges::seen(c, &ground, spacing, tolerance.distance());
     let curves = plane.into_curves().into_iter().map(seen).collect();
-    let (mut curves, crossings) = without_crossings(curves, scale.options.shortest_footprints);
+    let shortest = Shortest { footprints: scale.options.shortest_footprints, unknown: spacing };
+    let (mut curves, crossings) = without_crossings(curves, shortest);
     curves.sort_by(longest_first);
     let counts = FusionCounts {
         observations: views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum(),

@@ -31,11 +31,28 @@ use transect_geometry::Curve;
 
 /// When two curves count as overlapping. Lengths are in the model's length unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Unchecked")]
 pub struct OverlapTolerance {
     distance: f64,
     max_angle_rad: f64,
     remainder: f64,
+}
+
+/// A tolerance as settings state it.
+#[derive(Deserialize)]
+#[serde(rename = "OverlapTolerance", deny_unknown_fields)]
+struct Unchecked {
+    distance: f64,
+    max_angle_rad: f64,
+    remainder: f64,
+}
+
+impl TryFrom<Unchecked> for OverlapTolerance {
+    type Error = ToleranceError;
+
+    fn try_from(stated: Unchecked) -> Result<Self, ToleranceError> {
+        Self::new(stated.distance, stated.max_angle_rad, stated.remainder)
+    }
 }
 
 /// A tolerance that makes no sense.
@@ -138,7 +155,7 @@ pub enum Relation {
     /// One overlap, as Rule 2 wants it.
     Single,
     /// Two overlaps of open curves, each the end of one on the beginning of the other: a ring
-    /// (Rule 3). What either overlap leaves there may count as nothing.
+    /// (Rule 3). Remainders no longer than the tolerance may be left at these ends.
     Ring,
     /// More overlaps than the rules allow; merging would make a fork somewhere.
     Several,

@@ -29,7 +29,10 @@ fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
 /// Whether two curves may overlap in their common rectangle. Both must have units there, and some
 /// unit of one must run the same way as some unit of the other, up to `max_angle_rad`.
 ///
-/// Cost: O(n log n) for the n units in the rectangle.
+/// `common` is the intersection of both envelopes, each grown by the distance up to which curves
+/// overlap: a smaller rectangle loses pairs.
+///
+/// Cost: linear in the units of both curves; those in the rectangle are sorted.
 pub fn may_overlap(a: &Curve, b: &Curve, common: &Envelope, max_angle_rad: f64) -> bool {
     let angles_of_a = angles_within(a, common);
     let mut angles_of_b = angles_within(b, common);

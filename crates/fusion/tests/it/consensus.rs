@@ -176,6 +176,55 @@ fn more_views_mean_less_error() {
     assert!(rms(54) < 0.5 * rms(6), "{} against {}", rms(54), rms(6));
 }
 
+#[test]
+fn rods_of_a_few_footprints_keep_their_solid_inside() {
+    // Five to eight nodes of each view, at irregular angles.
+    let ring = |perimeter: f64, seed: u64, count: u64| {
+        let node = |k: u64| {
+            let jitter = 0.5 * noise(seed, k);
+            let angle = TAU * (k as f64 + jitter) / count as f64;
+            let radius = perimeter / TAU * (1.0 + 0.02 * noise(seed, 100 + k));
+            let position = Point2::new(radius * angle.cos(), radius * angle.sin());
+            Node::at(position).with_footprint(1.0).with_sigma(0.01)
+        };
+        vec![Curve::new((0..count).map(node).collect(), true).unwrap()]
+    };
+    for views in [1, 3, 8] {
+        for perimeter in [2.0, 2.5, 3.0, 4.0, 6.0] {
+            let area = |draw: u64| {
+                let view = |v: u64| ring(perimeter, 1000 * draw + v, 5 + (draw + v) % 4);
+                let fused = fuse(&(0..views).map(view).collect::<Vec<_>>());
+                if let [rod] = &fused.curves[..] { rod.signed_area() } else { None }
+            };
+            let areas: Vec<f64> = (0..100).filter_map(area).collect();
+            let kept = areas.iter().filter(|area| **area > 0.0).count();
+            let case = format!("{perimeter} footprints, {views} views");
+            assert!(kept >= 95, "{kept} of 100 at {case}");
+            assert_eq!(areas.len(), kept, "solid outside at {case}");
+        }
+    }
+}
+
+#[test]
+fn scraps_beside_a_wall_that_was_seen_coarsely_go() {
+    // Three views see a part of the wall closely, and one sees all of it from afar, a little off.
+    let line = |from: f64, count: u64, step: f64, seed: u64, off: f64| {
+        let node = |k: u64| {
+            let position = Point2::new(from + step * k as f64, off + 0.0003 * noise(seed, k));
+            Node::at(position).with_footprint(step as f32).with_sigma(0.0003)
+        };
+        vec![Curve::new((0..count).map(node).collect(), false).unwrap()]
+    };
+    for step in [0.01, 0.08, 0.12, 0.2] {
+        let near = (0..3).map(|v| line(3.0 + 0.003 * v as f64, 300, 0.01, v, 0.0));
+        let far = line(0.37 * step, (10.0 / step) as u64, step, 9, 0.005);
+        let fused = fuse(&near.chain([far]).collect::<Vec<_>>());
+        let length: f64 = fused.curves.iter().map(Curve::length).sum();
+        let count = fused.curves.len();
+        assert!(count == 1 && length > 9.7, "{count} curves, {length} of 10, a step of {step}");
+    }
+}
+
 /// Both sides of a sheet of some thickness, each seen by several views.
 fn sheet(thickness: f64, sigma: f64) -> Vec<Vec<Curve>> {
     let side = |seed: u64, upper: bool| {

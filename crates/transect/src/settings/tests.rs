@@ -56,6 +56,11 @@ fn names_in_the_record_stay() {
     let Method::Dissertation(options) = setup.partial else { panic!("{:?}", setup.partial) };
     assert_eq!((options.gap, options.thickness, options.smooth), (3, 2, false));
     assert!(matches!(setup.fusion, FusionMethod::Pairwise(options) if options.tolerance.is_some()));
+    // At this angle both sides of a sheet would be one.
+    let wide = text.replace(r#""max_angle_rad":0.5"#, r#""max_angle_rad":3.0"#);
+    let error = Setup::of_store(&with_options(&wide)).unwrap_err();
+    let causes = format!("{error}: {:?}", error.source().map(ToString::to_string));
+    assert!(causes.contains("within 0 and 90°, got 3 rad"), "{causes}");
 }
 
 #[test]

@@ -44,6 +44,8 @@ pub(super) struct Cover<'a> {
     directions: Vec<Vector2>,
     /// For each accepted node the one that follows it, or itself at an end; [`NONE`] for others.
     following: Vec<u32>,
+    /// How far beyond the node that begins it an accepted unit reaches at most.
+    longest: f64,
 }
 
 impl<'a> Cover<'a> {
@@ -55,18 +57,26 @@ impl<'a> Cover<'a> {
                 directions[k as usize] = chain.chord(nodes, at);
             }
         }
-        let grid = PointGrid::new(&positions, LONGEST_UNIT_FOOTPRINTS * scale.spacing);
-        Self { nodes, scale, grid, directions, following: vec![NONE; nodes.len()] }
+        let grid = PointGrid::new(&positions, CELL_FOOTPRINTS * scale.spacing);
+        let following = vec![NONE; nodes.len()];
+        Self { nodes, scale, grid, directions, following, longest: 0.0 }
     }
 
     pub fn accept(&mut self, run: &Chain) {
         let follows = run.nodes.iter().skip(1).chain(run.closed.then(|| &run.nodes[0]));
         for (&k, &next) in run.nodes.iter().zip(follows) {
-            self.following[k as usize] = next;
+            self.follow(k, next);
         }
         if let (false, Some(&last)) = (run.closed, run.nodes.last()) {
-            self.following[last as usize] = last;
+            self.follow(last, last);
         }
+    }
+
+    fn follow(&mut self, k: u32, next: u32) {
+        self.following[k as usize] = next;
+        let (node, next) = (&self.nodes[k as usize], &self.nodes[next as usize]);
+        let unit = (next.position - node.position).norm();
+        self.longest = self.longest.max(unit + node.evidence.footprint);
     }
 
     /// Whether a node lies beside an accepted chain of the same direction.
@@ -79,7 +89,8 @@ impl<'a> Cover<'a> {
     /// Whether a node lies within a width of an accepted chain of the same direction.
     pub fn lies_within(&self, k: u32, width: f64) -> bool {
         let here = &self.nodes[k as usize];
-        let reach = LONGEST_UNIT_FOOTPRINTS * here.evidence.footprint.max(self.scale.spacing);
+        // Views that are farther away have longer units.
+        let reach = self.longest + here.evidence.footprint;
         let mut beside = false;
         self.grid.within(&here.position, width.hypot(reach), |j, d| {
             beside = beside || self.is_beside(k as usize, j, &d, width);

@@ -1,8 +1,7 @@
 //! Hooks: short units that run backwards or aside, as two views' nodes of one corner in the wrong
 //! order do.
 //!
-//! Two places closer than the errors of both tell no direction. The errors of views count, too: on
-//! halves of the red kitchen, curves then turn back 0.18 instead of 0.37 times per metre.
+//! Two places closer than the errors of both tell no direction. The errors of views count, too.
 
 use super::super::estimate::PlacedNode;
 use super::super::tuning::hooks::*;

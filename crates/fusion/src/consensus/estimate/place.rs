@@ -209,7 +209,7 @@ impl<'a> Near<'a> {
                 found.push(Neighbour { number: j as u32, x, y });
             }
         });
-        found.sort_by_cached_key(|n| ordered(n.x as f32));
+        found.sort_unstable_by_key(|n| ordered(n.x as f32));
         let samples = found.iter().map(|n| sample(clusters, n));
         self.windows.begin(samples, half_width(here, 0));
         self.reach = reach;

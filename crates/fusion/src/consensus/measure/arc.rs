@@ -52,8 +52,10 @@ impl<'a> Arc<'a> {
     }
 
     /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
-    /// those after it.
+    /// those after it. On a closed curve the two sides end half way round it: nodes that both held
+    /// would take away each other, and leave a direction of rounding errors.
     pub fn tangent(&self, k: usize, reach: f64) -> Vector2 {
+        let reach = if self.curve.is_closed() { reach.min(0.5 * self.length) } else { reach };
         let d = self.mean_offset(k, reach, true) - self.mean_offset(k, reach, false);
         d.try_normalize(0.0).unwrap_or_else(|| self.chord(k))
     }

@@ -14,7 +14,7 @@ pub(super) struct Bead {
     pub tangent: Vector2,
     /// Length that its observations stand for.
     pub length: f64,
-    /// Variance of its view's error, in that of a typical view.
+    /// Variance of its view's error, over that of a typical view.
     pub variance: f64,
     pub view: u32,
     /// Whether it goes on where the bead before it ends.

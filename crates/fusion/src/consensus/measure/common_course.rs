@@ -29,7 +29,7 @@ pub(super) struct OnCourse {
     /// The bead, moved onto the course.
     pub bead: Bead,
     /// How far its view is off the common course, averaged over the window, and the variance of
-    /// this in that of a typical view. A view takes part in the course that it is compared with.
+    /// this over that of a typical view. A view takes part in the course that it is compared with.
     pub off: f64,
     off_variance: f64,
     bend: Bend,
@@ -210,14 +210,12 @@ fn courses_shared_by(
     reach: &Reach,
     shares: impl Fn(&Bead, &Bead, &Window, f64, f64) -> bool,
 ) -> Vec<OnCourse> {
-    let grid = |beads: &[Bead]| {
-        let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-        PointGrid::new(&places, 0.5 * reach.along)
-    };
+    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
+    let grid = PointGrid::new(&places, 0.5 * reach.along);
     // Beads in the order of the grid's cells lie in memory as they are gathered.
-    let order: Vec<usize> = grid(beads).order().collect();
+    let order: Vec<usize> = grid.order().collect();
     let sorted: Vec<Bead> = order.iter().map(|&k| beads[k]).collect();
-    let grid = grid(&sorted);
+    let grid = grid.renumbered();
     let mut courses: Vec<OnCourse> = beads.iter().map(OnCourse::unmoved).collect();
     let mut has_course = vec![false; beads.len()];
     let mut sums = SumsOfViews::new(views);

@@ -21,7 +21,7 @@ pub(crate) use scale::Scale;
 use super::options::ConsensusOptions;
 use crate::grid::PointGrid;
 use observations::median;
-use settle::settle;
+use settle::{settle, stands_out};
 
 /// The observations of a plane with all that is known of their errors.
 pub(crate) struct Measurements {
@@ -44,16 +44,20 @@ impl Measurements {
             return None;
         }
         let (mut scale, spread) = Scale::new(&observations, options);
-        let view_error = spread.view_error.level.sqrt();
+        let of_views = spread.view_error(false, &options.steps);
+        let view_error = of_views.level.sqrt();
         let noise = median(observations.all.iter().map(|o| o.sigma));
-        let moved =
-            if options.steps.settle { settle(&mut observations, &scale, &spread) } else { None };
+        let moved = (options.steps.settle && stands_out(view_error, noise, &scale)).then(|| {
+            let of_views = spread.view_error(options.steps.error_with_noise, &options.steps);
+            settle(&mut observations, &scale, &of_views, noise);
+            of_views
+        });
         if moved.is_some() {
             // The views now lie close to each other, so surfaces that do so are told apart.
             scale = Scale { settled: true, ..Scale::new(&observations, options).0 };
         }
         if options.steps.view_error {
-            observations.weigh(&moved.unwrap_or(spread.view_error));
+            observations.weigh(&moved.unwrap_or(of_views));
         }
         let grid = PointGrid::new(&observations.positions(), observations.spacing());
         let spread = spread.between_views;

@@ -16,7 +16,7 @@ pub(super) struct Reach {
     /// Errors of views, and the standard deviation of that of a typical view.
     pub of_view: ViewError,
     pub typical: f64,
-    /// Half-lengths of all windows, in that of the narrowest.
+    /// Half-lengths of all windows, over that of the narrowest.
     pub windows: &'static [f64],
     /// Cosine of the largest angle between beads of one surface.
     pub same_way: f64,
@@ -46,7 +46,7 @@ impl Reach {
         Self { along: factor * self.along, across: factor * self.across, ..*self }
     }
 
-    /// Variance of the error of an observation, its own included, in that of a typical view.
+    /// Variance of the error of an observation, its own included, over that of a typical view.
     pub fn variance(&self, of: &Observation) -> f64 {
         (of.view_variance(&self.of_view) + of.sigma * of.sigma) / (self.typical * self.typical)
     }

@@ -4,7 +4,6 @@ use super::super::options::{ConsensusOptions, Steps};
 use super::super::tuning::scale::*;
 use super::observations::{Observations, median};
 use super::spread::{Search, Spread};
-use super::view_error::ViewError;
 
 /// Lengths of a plane, and the options that steps need beside them.
 #[derive(Debug, Clone, Copy)]
@@ -28,9 +27,7 @@ impl Scale {
         let same_way = options.direction_limit_rad.cos();
         // A single view does not show the spread between views; its own error has to do.
         let measured = Search::new(observations, options).spread_between_views();
-        let (view_error, pairs) = (ViewError::default(), Vec::new());
-        let own = Spread { between_views: sigma, view_error, pairs };
-        let measured = measured.unwrap_or(own);
+        let measured = measured.unwrap_or(Spread { between_views: sigma, pairs: Vec::new() });
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * measured.between_views).max(least);
         (Self { spacing, threshold, same_way, settled: false, options: *options }, measured)

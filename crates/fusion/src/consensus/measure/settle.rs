@@ -25,7 +25,6 @@
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
-use super::super::options::Steps;
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
@@ -34,27 +33,23 @@ use super::common_course::{OnCourse, ViewErrors, averaged_view_error, on_widest_
 use super::observations::{Observations, median};
 use super::reach::Reach;
 use super::scale::Scale;
-use super::spread::Spread;
 use super::view_error::ViewError;
 
-/// Moves the observations if the views' errors ask for it, and returns these errors, with the part
-/// that goes with the noise.
+/// Whether the error of a view, a standard deviation, asks for views to be moved.
+pub(super) fn stands_out(error: f64, noise: f64, scale: &Scale) -> bool {
+    error >= LEAST_FOOTPRINTS * scale.spacing && error >= LEAST_NOISE_RATIO * noise
+}
+
+/// Moves the observations of views with these errors. `noise` is the median of their own one.
 pub(super) fn settle(
     observations: &mut Observations,
     scale: &Scale,
-    spread: &Spread,
-) -> Option<ViewError> {
-    let error = spread.view_error.level.sqrt();
-    let noise = median(observations.all.iter().map(|o| o.sigma));
-    if error < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
-        return None;
-    }
-    let Steps { error_with_noise, incidence_error, .. } = *scale.steps();
-    let sought = [true, error_with_noise, incidence_error];
-    let of_view = ViewError::of(&spread.pairs, spread.between_views, sought);
-    let typical =
-        median(observations.all.iter().map(|o| o.view_variance(&of_view))).sqrt().max(noise);
-    let reach = Reach::new(of_view, typical, scale);
+    of_view: &ViewError,
+    noise: f64,
+) {
+    let variances = observations.all.iter().map(|o| o.view_variance(of_view));
+    let typical = median(variances).sqrt().max(noise);
+    let reach = Reach::new(*of_view, typical, scale);
     let mut averaged = scale.steps().align.then(|| align(observations, &reach));
     let (mut beads, bead_of) = beads(observations, &reach);
     let (mut courses, mut errors) = (Vec::new(), ViewErrors::default());
@@ -66,12 +61,11 @@ pub(super) fn settle(
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let OnCourse { bead, views, .. } = &courses[k as usize];
         o.course_error = averaged.unwrap_or(typical).max(typical) / views.sqrt();
-        let variance = o.view_variance(&of_view);
+        let variance = o.view_variance(of_view);
         let trust = variance / (variance + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
         let turned = o.tangent + (bead.tangent - o.tangent) * trust;
         o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
     }
-    Some(of_view)
 }

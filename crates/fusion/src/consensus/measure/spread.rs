@@ -4,7 +4,7 @@
 //! difference between two views. The distance to the nearest of all other views would be too small,
 //! by a factor that grows with the number of views.
 
-use super::super::options::ConsensusOptions;
+use super::super::options::{ConsensusOptions, Steps};
 use super::super::tuning::spread::*;
 use super::observations::{Observation, Observations, median};
 use super::view_error::{Pair, ViewError};
@@ -18,11 +18,20 @@ use transect_geometry::{Envelope, Point2};
 pub(crate) struct Spread {
     /// Standard deviation of one view's curve against the common one, with the registration error.
     pub between_views: f64,
-    /// The part of it that the nodes' own errors do not explain, without a part that goes with the
-    /// noise.
-    pub view_error: ViewError,
     /// The pairs of nodes that show it.
     pub pairs: Vec<Pair>,
+}
+
+impl Spread {
+    /// The part that the nodes' own errors do not explain; 0 of a single view. `with_noise`:
+    /// whether a part of it may go with the noise.
+    pub fn view_error(&self, with_noise: bool, steps: &Steps) -> ViewError {
+        if self.pairs.is_empty() {
+            return ViewError::default();
+        }
+        let sought = [true, with_noise, steps.incidence_error];
+        ViewError::of(&self.pairs, self.between_views, sought)
+    }
 }
 
 /// How far from a node another curve is searched for.
@@ -120,10 +129,7 @@ impl<'a> Search<'a> {
             pairs.retain(|p| p.distance <= CUT_SPREADS * spread);
         }
         let between_two = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
-        let between_views = between_two / std::f64::consts::SQRT_2;
-        let sought = [true, false, self.options.steps.incidence_error];
-        let view_error = ViewError::of(&pairs, between_views, sought);
-        Some(Spread { between_views, view_error, pairs })
+        Some(Spread { between_views: between_two / std::f64::consts::SQRT_2, pairs })
     }
 
     /// The distance across the curve to one other view, drawn from those that measured this place:

@@ -49,9 +49,9 @@ pub mod cover {
     /// Least length of the rest of a chain that was cut, in footprints, for it to be joined. By
     /// hand. Doubled: gaps stay open.
     pub const REST_FOOTPRINTS: f64 = 2.0;
-    /// Longest unit that is searched for beside a node, in footprints: that of a joined gap.
-    /// Theory: the longest gap of the join rules. Doubled: more time.
-    pub const LONGEST_UNIT_FOOTPRINTS: f64 = 4.0;
+    /// Cells of the grid of nodes, in footprints. Theory: the longest gap of the join rules, and
+    /// few units are longer. Doubled: more time.
+    pub const CELL_FOOTPRINTS: f64 = 4.0;
 }
 
 /// `connect/ends.rs`

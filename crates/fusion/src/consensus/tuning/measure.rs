@@ -57,9 +57,9 @@ pub mod spread {
     /// never counts as made by other surfaces.
     pub const EVEN_GROWTH: f64 = 0.75;
     /// Spreads that a search must hold to count. Theory: they are 3.2 standard deviations of the
-    /// distance between two views, which one distance in 700 exceeds. Of evenly distributed
-    /// distances they are 2.4 times the distance searched. Doubled: the whole distance is searched
-    /// on most planes.
+    /// distance between two views, which one distance in 700 exceeds. If distances are evenly
+    /// distributed up to that of the search, they are 2.4 times as long, and the search grows.
+    /// Doubled: the whole distance is searched on most planes.
     pub const NEARBY_SPREADS: f64 = 4.5;
     /// Pairs farther apart than this many standard deviations of their distance are of different
     /// surfaces. Theory: one normal error in 16 000 is larger. Doubled: neighbouring surfaces widen
@@ -102,7 +102,8 @@ pub mod settle {
     /// Least error of the views, in footprints. Theory: curves of one surface differ by as much
     /// through sampling alone, as for the least overlap threshold. Measured: a depth camera at half
     /// its noise errs by 0.66 mm in the median, and by 1.16 with 0.5; with 0 the 95 % distance of
-    /// the bunny is 13 % larger. Doubled: the former, and depth cameras at close range zigzag.
+    /// the bunny is 13 % larger. Doubled: that camera errs as with 0.5, and the curves of depth
+    /// cameras at close range zigzag.
     pub const LEAST_FOOTPRINTS: f64 = super::scale::LEAST_FOOTPRINTS;
     /// Least ratio of the views' errors to the nodes' own. By hand: on one plane of a noisy room
     /// the errors of views seem to be three times the noise by chance; depth cameras have 9 and

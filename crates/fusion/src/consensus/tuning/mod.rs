@@ -2,8 +2,8 @@
 //!
 //! Each says its meaning, unit and source, and what happens when it is doubled. "By hand": chosen
 //! on simulated sets and the bunny by `cargo xtask experiments ablation`. Lengths are in
-//! footprints (a view's sample spacing) or standard deviations. Numbers of a formula stand beside
-//! it.
+//! footprints (a view's sample spacing) or standard deviations. A number that belongs to a formula
+//! is explained beside it.
 
 mod connect;
 mod estimate;
