@@ -328,29 +328,37 @@ impl CoarseView {
     /// A point is in front only if the cell and all around it are whole and farther away: rays
     /// between surfaces say nothing.
     pub(crate) fn sighting_in(&self, cell: usize, in_sensor: &Point3) -> Sighting {
-        let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
         let Some(ray) = self.ray(cell) else { return Sighting::Unseen };
         let depth = (in_sensor - ray.start).dot(&ray.direction);
-        let (mut nearest, mut farthest) = (seen.nearest, seen.farthest);
-        let mut whole = true;
-        for around in self.around(cell, 1) {
-            match self.cells.get(around).and_then(|c| c.seen) {
-                Some(seen) => {
-                    nearest = nearest.min(seen.nearest);
-                    farthest = farthest.max(seen.farthest);
-                    whole &= seen.whole;
-                }
-                None => whole = false,
-            }
+        let before = |around| self.before(around, &ray, in_sensor);
+        let nearest = self.around(cell, 1).map(before).reduce(|a, b| Some(a?.min(b?)));
+        let seen = self.around(cell, 1).filter_map(|around| self.cells.get(around)?.seen);
+        let farthest = f64::from(seen.map(|seen| seen.farthest).fold(0.0, f32::max));
+        match nearest.flatten() {
+            Some(before) => Sighting::InFront(before),
+            None if depth > farthest => Sighting::Behind(depth - farthest),
+            None => Sighting::Near,
         }
-        let (nearest, farthest) = (f64::from(nearest), f64::from(farthest));
-        if depth < nearest && whole {
-            Sighting::InFront(nearest - depth)
-        } else if depth > farthest {
-            Sighting::Behind(depth - farthest)
-        } else {
-            Sighting::Near
+    }
+
+    /// How far a point on a ray is in front of what a cell near that ray measured; `None` unless
+    /// the cell is whole and the point is in front.
+    ///
+    /// Seen obliquely, a wall's nearest sample in a cell lies far before the rest of it. So a point
+    /// is also in front if it lies before the plane of the cell's patch, by more than the patch's
+    /// radius. Without this, a scanner in a room passes for right if it is 0.1 to 0.5 m off.
+    fn before(&self, cell: usize, ray: &Ray, in_sensor: &Point3) -> Option<f64> {
+        let copy = self.cell(cell)?;
+        let seen = copy.seen.filter(|seen| seen.whole)?;
+        let before = f64::from(seen.nearest) - (in_sensor - ray.start).dot(&ray.direction);
+        if before > 0.0 {
+            return Some(before);
         }
+        let patch = self.patch_of(&copy, cell)?;
+        let normal = patch.steady_normal();
+        let height = (in_sensor - patch.point()).dot(&normal);
+        let incidence = -ray.direction.dot(&normal);
+        (height > patch.radius() && incidence > 0.0).then(|| height / incidence)
     }
 
     /// The cells within so many rows and columns of one, itself among them. In an image that turns

@@ -1,7 +1,7 @@
 //! Every pair of views, compared.
 
 use super::blame::{Counts, Table};
-use super::pair::{Placing, Probe, Sample, probes, samples};
+use super::pair::{Placed, Placing, Probe, Sample, probes, samples};
 use super::tuning::{
     COMPARED_PATCHES, CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_COMPARED, MOST_COMPARED_VIEWS,
     NOISE_FACTOR, REACH, USUAL_PAIR,
@@ -44,7 +44,8 @@ impl<'a> Evidence<'a> {
             if a == b || !(partners[a].contains(&b) || partners[b].contains(&a)) {
                 return Vec::new();
             }
-            samples(&probes[a], placings[a], views[b], placings[b], REACH)
+            let placed = |k: usize| Placed { view: views[k], at: placings[k] };
+            samples(&probes[a], placed(a), placed(b), REACH)
         };
         let samples = (0..n * n).into_par_iter().map(of).collect();
         let mut evidence = Self { views, placings, probes, samples, usual: 0.0 };

@@ -10,7 +10,7 @@
 
 use super::blame::Counts;
 use super::evidence::Evidence;
-use super::pair::{Placing, Sample, samples};
+use super::pair::{Placed, Placing, Sample, samples};
 use super::tuning::{MOTION_REACH, MOTION_ROUNDS, REACH};
 use nalgebra::{SMatrix, SVector, Translation3, UnitQuaternion};
 use transect_device::{Isometry3, Vector3, median, quantile};
@@ -117,9 +117,10 @@ fn compared(
 ) -> Vec<(Sample, f64)> {
     let (probes, views) = (&evidence.probes, evidence.views);
     let both = |other: usize| {
-        let there = evidence.placings[other];
-        let own = samples(&probes[view], placing, views[other], there, reach);
-        let others = samples(&probes[other], there, views[view], placing, reach);
+        let here = Placed { view: views[view], at: placing };
+        let there = Placed { view: views[other], at: evidence.placings[other] };
+        let own = samples(&probes[view], here, there, reach);
+        let others = samples(&probes[other], there, here, reach);
         let own = own.into_iter().map(|sample| (sample, 1.0));
         own.chain(others.into_iter().map(|sample| (sample, -1.0))).collect::<Vec<_>>()
     };

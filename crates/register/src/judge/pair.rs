@@ -31,6 +31,13 @@ impl Placing {
     }
 }
 
+/// A view, and where it is taken to be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placed<'a> {
+    pub view: &'a CoarseView,
+    pub at: Placing,
+}
+
 /// A patch of a view, in its sensor frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Probe {
@@ -73,74 +80,82 @@ pub(crate) struct Sample {
     /// Normal in the world: of the other surface if the patch meets one, else of the patch.
     pub normal: Vector3,
     /// Distance from the other surface along the normal, positive on the side of the other sensor.
+    /// Negative without a meeting: the view of the patch looks through the other surface.
     pub distance: f64,
     /// Standard deviation of the distance from noise alone.
     pub sigma: f64,
     /// Half the side of the patch, in the world.
     pub radius: f64,
     /// Whether the patch meets a surface with a like normal; otherwise the other view looks through
-    /// it.
+    /// it, or its own view through what the other saw.
     pub met: bool,
     /// Whether both cells have a sample in nearly every pixel.
     pub whole: bool,
 }
 
-/// The patches about which a view says anything: they meet its surface within `reach` times their
-/// radius, or the view looks through them.
+/// The patches about which two views say anything: they meet the other's surface within `reach`
+/// times their radius, the other view looks through them, or their own view looks through the
+/// other's surface.
 pub(crate) fn samples(
     probes: &[Probe],
-    own: Placing,
-    other: &CoarseView,
-    there: Placing,
+    own: Placed<'_>,
+    other: Placed<'_>,
     reach: f64,
 ) -> Vec<Sample> {
-    probes.iter().filter_map(|p| sample(p, own, other, there, reach)).collect()
+    probes.iter().filter_map(|p| sample(p, own, other, reach)).collect()
 }
 
-fn sample(
-    probe: &Probe,
-    own: Placing,
-    other: &CoarseView,
-    there: Placing,
-    reach: f64,
-) -> Option<Sample> {
-    let point = own.to_world(&probe.point);
-    let normal = own.world_from_sensor * probe.normal;
-    let at = there.to_sensor(&point);
-    let other_cell = other.cell_of(&at)?;
+fn sample(probe: &Probe, own: Placed<'_>, other: Placed<'_>, reach: f64) -> Option<Sample> {
+    let point = own.at.to_world(&probe.point);
+    let normal = own.at.world_from_sensor * probe.normal;
+    let at = other.at.to_sensor(&point);
+    let other_cell = other.view.cell_of(&at)?;
     let found = Sample {
         cell: probe.cell,
         other_cell,
         point,
         normal,
         distance: 0.0,
-        sigma: probe.sigma * own.scale,
-        radius: probe.radius * own.scale,
+        sigma: probe.sigma * own.at.scale,
+        radius: probe.radius * own.at.scale,
         met: false,
-        whole: probe.whole && other.is_whole(other_cell),
+        whole: probe.whole && other.view.is_whole(other_cell),
     };
-    let met = other.meeting_in(other_cell, &at).and_then(|m| {
-        let there_normal = there.world_from_sensor * m.normal;
-        let alike = there_normal.dot(&normal) > ALIKE;
-        let near = m.distance.abs() * there.scale < reach * found.radius;
-        (alike && near).then_some(Sample {
-            normal: there_normal,
-            distance: m.distance * there.scale,
-            sigma: found.sigma.hypot(m.sigma * there.scale),
-            met: true,
-            ..found
-        })
+    let alike = other.view.meeting_in(other_cell, &at).and_then(|m| {
+        let normal = other.at.world_from_sensor * m.normal;
+        let sigma = found.sigma.hypot(m.sigma * other.at.scale);
+        let distance = m.distance * other.at.scale;
+        (normal.dot(&found.normal) > ALIKE).then_some(Sample { normal, distance, sigma, ..found })
     });
-    met.or_else(|| {
-        let Sighting::InFront(depth) = other.sighting_in(other_cell, &at) else { return None };
-        // Rays need not start in the origin of the sensor frame.
-        let ray = there.world_from_sensor * other.ray(other_cell)?.direction;
-        // A surface that is seen at a grazing angle ends anywhere between two pixels, so a point
-        // beside its last sample contradicts nothing. Such surfaces make no patches, either.
-        let incidence = ray.dot(&normal).abs();
-        let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
-        seen.then_some(Sample { distance: depth * there.scale * incidence, ..found })
-    })
+    match alike {
+        Some(alike) if alike.distance.abs() < reach * found.radius => {
+            Some(Sample { met: true, ..alike })
+        }
+        Some(alike) if alike.distance < 0.0 => {
+            // The place on the other's surface that lies before the patch.
+            let before = point - alike.normal * alike.distance;
+            let there = other.view.meeting(&other.at.to_sensor(&before))?;
+            let depth = free_before(own, &before, &normal)?;
+            let is_there = there.distance.abs() * other.at.scale < found.radius;
+            is_there.then_some(Sample { distance: -depth, ..found })
+        }
+        _ => Some(Sample { distance: free_before(other, &point, &normal)?, ..found }),
+    }
+}
+
+/// How far a place on a surface with this normal is in front of what a view saw there, along the
+/// normal; `None` if the view did not look through it.
+fn free_before(through: Placed<'_>, place: &Point3, normal: &Vector3) -> Option<f64> {
+    let in_sensor = through.at.to_sensor(place);
+    let cell = through.view.cell_of(&in_sensor)?;
+    let Sighting::InFront(depth) = through.view.sighting_in(cell, &in_sensor) else { return None };
+    // Rays need not start in the origin of the sensor frame.
+    let ray = through.at.world_from_sensor * through.view.ray(cell)?.direction;
+    // A surface that is seen at a grazing angle ends anywhere between two pixels, so a point beside
+    // its last sample contradicts nothing. Such surfaces make no patches, either.
+    let incidence = ray.dot(normal).abs();
+    let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
+    seen.then_some(depth * through.at.scale * incidence)
 }
 
 #[cfg(test)]
@@ -207,8 +222,8 @@ mod tests {
             radius: 0.02,
             whole: true,
         };
-        let there = Placing::given(&view);
-        let found = sample(&probe, there, &view, there, 1.0).unwrap();
+        let there = Placed { view: &view, at: Placing::given(&view) };
+        let found = sample(&probe, there, there, 1.0).unwrap();
         assert!(!found.met && (found.distance - 0.4).abs() < 1e-6, "{found:?}");
     }
 }

@@ -8,7 +8,7 @@
 //! cells beside each other make a region.
 
 use super::evidence::Evidence;
-use super::pair::{Sample, probes, samples};
+use super::pair::{Placed, Sample, probes, samples};
 use super::tuning::{REACH, REGION_CELLS, REGION_FRONT, REGION_HINTS, REGION_WITNESSES};
 use super::{Region, RegionKind};
 use std::collections::{BTreeMap, BTreeSet};
@@ -75,7 +75,8 @@ fn accused_cells(
             RegionKind::SeenThrough => (other, view),
         };
         let all = probes(views[from], usize::MAX);
-        for sample in samples(&all, at[from], views[to], at[to], REACH) {
+        let placed = |k: usize| Placed { view: views[k], at: at[k] };
+        for sample in samples(&all, placed(from), placed(to), REACH) {
             if gross(evidence, &sample) {
                 let cell = match kind {
                     RegionKind::InFront => sample.cell,

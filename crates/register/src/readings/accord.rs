@@ -1,7 +1,7 @@
 //! How far all views of a scan agree at the places where they are taken to be.
 
 use crate::coarse::CoarseView;
-use crate::judge::pair::{Placing, Probe, probes, samples};
+use crate::judge::pair::{Placed, Placing, Probe, probes, samples};
 use rayon::prelude::*;
 
 /// Patches of all views together that are compared with the other views, and most of one view. No
@@ -45,17 +45,18 @@ pub(super) fn accord_of(
     probes: &[Vec<Probe>],
     placings: Vec<Placing>,
 ) -> Accord {
+    let placed = |k: usize| Placed { view: views[k], at: placings[k] };
     let counts = |a: usize| {
         let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
         for b in (0..views.len()).filter(|b| *b != a) {
-            for sample in samples(&probes[a], placings[a], views[b], placings[b], 1.0) {
+            for sample in samples(&probes[a], placed(a), placed(b), 1.0) {
                 if sample.met {
                     good += 1;
                     let probe = probes[a].binary_search_by_key(&sample.cell, |p| p.cell);
                     if let Some(agree) = probe.ok().and_then(|k| agree.get_mut(k)) {
                         *agree = true;
                     }
-                } else if sample.distance > sample.radius {
+                } else if sample.distance.abs() > sample.radius {
                     bad += 1;
                 }
             }
@@ -78,10 +79,10 @@ pub(super) fn misfit(
     reach: f64,
 ) -> f64 {
     let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
+    let placed = |k: usize| Placed { view: views[k], at: placings[k] };
     let of_view = |a: usize| {
         let others = (0..views.len()).filter(|b| *b != a);
-        let found =
-            others.flat_map(|b| samples(&probes[a], placings[a], views[b], placings[b], 1.0));
+        let found = others.flat_map(|b| samples(&probes[a], placed(a), placed(b), 1.0));
         let square = |distance: f64| distance.powi(2).min(1.0);
         let squares = found.map(|sample| square(sample.distance / (reach * sample.radius)));
         squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1))

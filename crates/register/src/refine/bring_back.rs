@@ -18,9 +18,11 @@ use super::motion::motion_between;
 use super::observations::State;
 use super::pairs::Spread;
 use super::{Rounds, candidates};
+use crate::coarse::CoarseView;
 use crate::judge::{contradicting, likelihood, places_of, root_of_far, squares_apart, suspects};
 use crate::prior::PosePrior;
 use crate::tuning::{EXACT, MOTION_POINTS, NARROWING, OBSERVATIONS, SETTLING_ALONE};
+use std::borrow::Cow;
 use transect_device::Isometry3;
 
 impl Rounds<'_> {
@@ -34,9 +36,11 @@ impl Rounds<'_> {
             let back: Vec<usize> = found.iter().map(|(k, _)| *k).collect();
             let lost: Vec<usize> =
                 misplaced.iter().copied().filter(|k| !back.contains(k)).collect();
-            self.add(&found, &lost);
+            self.add(&found, &lost, 0.0);
             self.run_rounds();
-            let wrong = contradicting(&self.scene.views, &self.poses, misplaced);
+            let views = self.corrected_views();
+            let views: Vec<&CoarseView> = views.iter().map(AsRef::as_ref).collect();
+            let wrong = contradicting(&views, &self.poses, misplaced);
             found.retain(|(k, _)| !wrong.contains(k));
             if found.len() == back.len() {
                 *misplaced = lost;
@@ -50,25 +54,29 @@ impl Rounds<'_> {
     /// tell which one is wrong. Of five frames in a kitchen whose poses all err, each half a metre
     /// off, two are found by this, and the others since they move far.
     pub(super) fn contradicting_view(&self, misplaced: &[usize]) -> Option<usize> {
-        let turned = suspects(&self.scene.views, &self.poses).turned;
+        let views = self.corrected_views();
+        let views: Vec<&CoarseView> = views.iter().map(AsRef::as_ref).collect();
+        let turned = suspects(&views, &self.poses).turned;
         turned.into_iter().find(|k| !misplaced.contains(k))
     }
 
     /// The pose at which a view agrees with the others, but for the misplaced ones.
     fn place_of(&self, view: usize, misplaced: &[usize]) -> Option<Isometry3> {
-        let places = places_of(&self.scene.views, &self.poses, view, misplaced)?;
+        let views = self.corrected_views();
+        let views: Vec<&CoarseView> = views.iter().map(AsRef::as_ref).collect();
+        let places = places_of(&views, &self.poses, view, misplaced)?;
         let lost: Vec<usize> = misplaced.iter().copied().filter(|k| *k != view).collect();
         let mut without = self.clone();
         without.pairs.clear();
         let settled = places.poses.iter().filter_map(|pose| {
             let mut alone = without.clone();
-            alone.add(&[(view, *pose)], &lost);
+            alone.add(&[(view, *pose)], &lost, places.off);
             alone.settle(view, places.off)
         });
         let mut poses = self.poses.clone();
         let probable = settled.filter_map(|(pose, worth)| {
             poses[view] = pose;
-            Some((pose, worth * likelihood(&self.scene.views, &poses, view, misplaced)?))
+            Some((pose, worth * likelihood(&views, &poses, view, misplaced)?))
         });
         probable.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
     }
@@ -77,11 +85,13 @@ impl Rounds<'_> {
     fn settle(&mut self, view: usize, off: f64) -> Option<(Isometry3, f64)> {
         self.candidates.retain(|(a, b)| *a == view || *b == view);
         let given = self.given[view];
-        // The others hold still where they are now, and the view has no pose to go back to.
+        // The others hold still where they are now, whatever was stated of their poses, and the
+        // view has no pose to go back to.
         self.given.clone_from(&self.poses);
         self.prior_of_loose = self.first;
         self.prior.rotation *= EXACT;
         self.prior.translation *= EXACT;
+        self.others_stay = true;
         let mut tolerance = off;
         for _ in 0..SETTLING_ALONE {
             let reach = PosePrior { rotation: 0.0, translation: tolerance };
@@ -98,8 +108,18 @@ impl Rounds<'_> {
         Some((pose, self.agreeing() / root_of_far(apart, off)))
     }
 
-    /// Adds views at other poses than the given ones.
-    fn add(&mut self, found: &[(usize, Isometry3)], lost: &[usize]) {
+    /// The views without the errors of their cameras, which hide contradictions.
+    fn corrected_views(&self) -> Vec<Cow<'_, CoarseView>> {
+        let views = self.scene.views.iter().enumerate();
+        let corrected = views.map(|(k, view)| match self.cameras.of_view(k) {
+            Some(offsets) => Cow::Owned((*view).clone().corrected(&offsets)),
+            None => Cow::Borrowed(*view),
+        });
+        corrected.collect()
+    }
+
+    /// Adds views at other poses than the given ones, at which their surfaces may be so far off.
+    fn add(&mut self, found: &[(usize, Isometry3)], lost: &[usize], off: f64) {
         for (k, pose) in found {
             self.poses[*k] = *pose;
             self.loose[*k] = true;
@@ -113,6 +133,7 @@ impl Rounds<'_> {
         });
         self.last_change.fill(0.0);
         let state = State { poses: &self.poses, cameras: &self.cameras };
-        self.candidates = candidates(self.scene, state, self.prior, lost);
+        let reach = self.prior.or_wider(PosePrior { rotation: 0.0, translation: off });
+        self.candidates = candidates(self.scene, state, reach, lost);
     }
 }

@@ -9,26 +9,23 @@
 //!    follow hold the poses by it.
 //! 2. All views return to their given poses if clearly fewer patches agree than there.
 
+use super::Rounds;
 use super::observations::{Observation, Pieces, State};
 use super::pairs::Spread;
-use super::{Rounds, usual_prior};
 use crate::tuning::{GATE, OBSERVATIONS, SETTLING};
 
 impl Rounds<'_> {
     /// Brings the poses near to the best fit. `None` if nothing determines the views.
     pub(super) fn first_rounds(&mut self) -> Option<()> {
-        let (given, prior) = (self.agreeing(), self.prior);
-        if self.stated {
-            let usual = usual_prior(self.distance);
-            self.prior.rotation = prior.rotation.max(usual.rotation);
-            self.prior.translation = prior.translation.max(usual.translation);
-        }
-        for round in 0..SETTLING {
+        let given = self.agreeing();
+        let prior = std::mem::replace(&mut self.prior, self.first);
+        let settled = (0..SETTLING).try_for_each(|round| {
             let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
             self.observe(self.first, OBSERVATIONS / 4, spread);
-            self.step(0, 0.0)?;
-        }
+            self.step(0, 0.0).map(|_| ())
+        });
         self.prior = prior;
+        settled?;
         // A loose prior lets patches of other surfaces draw views that were right. The standard
         // deviation of a count is its root.
         if self.agreeing() + GATE * given.sqrt() < given {

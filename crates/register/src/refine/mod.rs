@@ -169,21 +169,30 @@ struct Rounds<'a> {
     poses: Vec<Isometry3>,
     /// Median distance of the samples from their sensors.
     distance: f64,
+    /// How far poses may be off before anything is known: at least as far as is usual.
     first: PosePrior,
+    /// How far the poses of most views may be wrong, by what is known now.
     prior: PosePrior,
+    /// Whether that was stated, so that it is not learned.
     stated: bool,
     /// Views that were brought back. Their errors tell nothing of those of the others.
     loose: Vec<bool>,
     /// How far these views may be off: as far as they were found from their given poses.
     prior_of_loose: PosePrior,
+    /// Whether all other views stay where they are.
+    others_stay: bool,
     /// Whether scales of cameras are not looked for.
     scales_stay: bool,
     cameras: Cameras,
     drift: Drift,
     pivots: Pivots,
+    /// The ordered pairs of views that may overlap.
     candidates: Vec<(usize, usize)>,
+    /// Those that do, with what was observed last.
     pairs: Vec<Pair>,
+    /// The share of the observations that is independent.
     independent: f64,
+    /// The last change of all unknowns.
     last_change: DVector<f64>,
     /// `fx` and `fy` of a camera over the true ones, if they were found wrong.
     focal_over_true: Option<[f64; 2]>,
@@ -198,14 +207,12 @@ impl<'a> Rounds<'a> {
     ) -> Self {
         let samples = scene.samples.iter().flatten();
         let distance = median(samples.map(|s| s.in_sensor.coords.norm())).unwrap_or(1.0);
-        let first = usual_prior(distance);
+        let usual = usual_prior(distance);
         let stated = stated(&scene.views, options);
-        let prior = stated.unwrap_or(first);
+        let prior = stated.unwrap_or(usual);
         let own = scene.views.iter().filter_map(|view| view.prior());
-        let first = own.fold(prior, |a, b| PosePrior {
-            rotation: a.rotation.max(b.rotation),
-            translation: a.translation.max(b.translation),
-        });
+        // What was stated may be wrong, and only pairs that meet show it.
+        let first = own.fold(usual.or_wider(prior), PosePrior::or_wider);
         let cameras = Cameras::of(&scene.views, distance);
         let state = State { poses: &given, cameras: &cameras };
         let candidates = candidates(scene, state, first, misplaced);
@@ -221,6 +228,7 @@ impl<'a> Rounds<'a> {
             stated: stated.is_some(),
             loose: vec![false; scene.views.len()],
             prior_of_loose: prior,
+            others_stay: false,
             scales_stay: options.images_stay || scene.views.len() < LEAST_FOR_SCALE,
             cameras,
             drift: Drift::of(scene.views.len()),
@@ -472,7 +480,8 @@ impl<'a> Rounds<'a> {
     /// How far a view's pose may be wrong, if it is not as far as the others'.
     fn prior_of(&self, view: usize) -> Option<PosePrior> {
         let loose = || self.loose[view].then_some(self.prior_of_loose);
-        self.scene.views[view].prior().or_else(loose)
+        let own = self.scene.views[view].prior().filter(|_| !self.others_stay);
+        own.or_else(loose)
     }
 
     /// How far the views have moved from their given poses.

@@ -136,8 +136,7 @@ impl Rounds<'_> {
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
         let parts = self.systems();
         let left_out = self.left_out(&parts);
-        let unpaired = |k: usize| self.pairs.iter().all(|p| p.a != k && p.b != k);
-        let alone: Vec<bool> = (0..self.given.len()).map(unpaired).collect();
+        let alone: Vec<bool> = self.with_pairs().into_iter().map(|met| !met).collect();
         // Where views state how exact their poses are, the most exact ones hold the whole.
         let unstated = self.scene.views.iter().all(|view| view.prior().is_none());
         let weights = unstated.then(|| self.take_out_common_motion(&alone));
@@ -230,13 +229,23 @@ impl Rounds<'_> {
         self.motions().iter().zip(covariances).all(|(motion, c)| is_within(motion, c))
     }
 
+    /// Which views meet another one.
+    fn with_pairs(&self) -> Vec<bool> {
+        let mut met = vec![false; self.given.len()];
+        self.pairs.iter().flat_map(|pair| [pair.a, pair.b]).for_each(|k| met[k] = true);
+        met
+    }
+
     /// Which views turned or shifted far more than most, and moved by more than their images and
     /// poses are uncertain by. The system of all pairs takes as long as a round: it is asked for
     /// only where a view moved far.
     pub(super) fn far_off(&self, system: impl FnOnce() -> Option<System>) -> Vec<bool> {
         let motions = self.motions();
         let parts = [0, 3].map(|part| move |motion: &Motion| motion.fixed_rows::<3>(part).norm());
-        let typical = parts.map(|part| median(motions.iter().map(part)).unwrap_or(0.0));
+        // A view that meets no other one does not move.
+        let met = self.with_pairs();
+        let met = || motions.iter().zip(&met).filter_map(|(motion, met)| met.then_some(motion));
+        let typical = parts.map(|part| median(met().map(part)).unwrap_or(0.0));
         let is_unusual = |motion: &Motion| {
             parts.iter().zip(typical).any(|(part, typical)| part(motion) > FAR_OFF * typical)
         };

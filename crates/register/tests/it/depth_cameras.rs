@@ -1,6 +1,6 @@
 //! Errors of depth cameras, found together with the poses.
 
-use super::common::{changed, coarse, simulated, simulated_with_noise};
+use super::common::{changed, coarse, simulated, simulated_with_noise, turned};
 use super::refining::{apart, given, shaken};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use transect_device::{
     DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, Vector3, View,
 };
-use transect_register::{CoarseView, RefineOptions, refine};
+use transect_register::{CoarseView, PoseOutcome, RefineOptions, refine};
 use transect_scene::{Noise, Scene, Shape, Solid};
 use transect_sensors::{Intrinsics, Pinhole};
 
@@ -79,6 +79,21 @@ fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
         assert!(after < 0.2 * before.max(1.0), "{before} to {after}");
         assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
     }
+}
+
+/// Where a view belongs is looked for among views without that error.
+#[test]
+fn a_view_far_off_comes_back_where_all_depths_have_a_wrong_scale() {
+    let views = with_depths_times(&simulated("machined_part", ""), 1.035);
+    let mut wrong = views.clone();
+    wrong[2] = turned(&views[2], 0, 3.0);
+    let refinement = refine(&coarse(&wrong), &RefineOptions::default()).unwrap();
+    let pose = &refinement.poses[2];
+    assert_eq!(pose.outcome, PoseOutcome::BroughtBack, "{refinement:?}");
+    let off = pose.world_from_sensor * views[2].world_from_sensor().inverse();
+    let degrees = off.rotation.angle().to_degrees();
+    println!("{degrees} degrees are left");
+    assert!(degrees < 0.2, "{degrees}");
 }
 
 /// A store keeps its images: poses that hide their wrong scale suit them.

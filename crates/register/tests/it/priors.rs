@@ -3,7 +3,8 @@
 use super::common::{coarse, described, simulated};
 use super::narrow_things::street;
 use super::refining::shaken;
-use transect_register::{PosePrior, RefineOptions, refine};
+use transect_device::{Isometry3, Vector3};
+use transect_register::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, refine};
 
 #[test]
 fn a_stated_prior_holds_the_poses() {
@@ -14,6 +15,28 @@ fn a_stated_prior_holds_the_poses() {
     };
     let refinement = refine(&coarse(&views), &options).unwrap();
     assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
+    // And hides neither which views meet, nor how far apart they are.
+    assert!(refinement.poses.iter().all(|p| p.outcome == PoseOutcome::Kept), "{refinement:?}");
+    let residual = |p: &RefinedPose| p.residual_before.unwrap();
+    assert!(refinement.poses.iter().all(|p| residual(p) > 0.005), "{refinement:?}");
+}
+
+#[test]
+fn views_that_do_not_meet_keep_what_is_stated_of_their_poses() {
+    let views = simulated("room", "");
+    let away = views[1].world_from_sensor().translation.vector + Vector3::new(100.0, 0.0, 0.0);
+    let turn = views[1].world_from_sensor().rotation;
+    let away = views[1].with_pose(Isometry3::from_parts(away.into(), turn)).unwrap();
+    let prior = PosePrior { rotation: 1e-3, translation: 2e-3 };
+    let options = RefineOptions { prior: Some(prior), ..RefineOptions::default() };
+    let refinement = refine(&coarse(&[views[0].clone(), away]), &options).unwrap();
+    assert_eq!(refinement.prior, prior);
+    for pose in &refinement.poses {
+        assert_eq!(pose.outcome, PoseOutcome::Alone);
+        let sigma = pose.sigma.unwrap();
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-6;
+        assert!(near(sigma.rotation, 1e-3) && near(sigma.translation, 2e-3), "{sigma:?}");
+    }
 }
 
 #[test]
@@ -38,14 +61,14 @@ fn views_whose_own_priors_are_small_hold_the_others() {
 #[test]
 fn a_prior_that_is_no_standard_deviation_is_an_error() {
     let copies = coarse(&simulated("room", "")[..1]);
-    for (wrong, found) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (-0.1, "-0.1")] {
+    for (wrong, found) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (-0.1, "-0.1"), (0.0, "0")] {
         for (prior, found) in [
             (PosePrior { rotation: 0.01, translation: wrong }, format!("0.01 rad and of {found}")),
             (PosePrior { rotation: wrong, translation: 0.02 }, format!("{found} rad and of 0.02")),
         ] {
             let of_view = copies[0].clone().with_prior(Some(prior)).unwrap_err().to_string();
             let name = format!("view {}: ", copies[0].name());
-            let expected = "expected finite numbers of 0 or more";
+            let expected = "expected finite numbers of 1e-12 or more";
             assert!(of_view.starts_with(&name) && of_view.contains(expected), "{of_view}");
             assert!(of_view.contains(&found), "{of_view}");
             let options = RefineOptions { prior: Some(prior), ..RefineOptions::default() };

@@ -1,6 +1,7 @@
 //! One wrong view among right ones moves no other.
 
 use super::common::{changed, coarse, simulated, turned};
+use super::refining::shaken;
 use transect_device::{Isometry3, Point3, Vector3, View};
 use transect_register::{PoseOutcome, RefineOptions, refine};
 
@@ -30,6 +31,22 @@ fn one_wrong_view_does_not_loosen_the_others() {
         assert!(near, "{k}: {degrees} degrees and {} mm", pose.translation);
     }
     assert!((refinement.poses[2].translation - 3.0).abs() < 0.2);
+}
+
+/// Views that meet nothing do not move. They are no measure of how far others move.
+#[test]
+fn views_that_meet_no_other_do_not_make_others_seem_far_off() {
+    let exact = simulated("room", "");
+    let mut views = shaken(&exact, 0.3, 0.005);
+    for k in 1..7 {
+        let mut pose = *exact[0].world_from_sensor();
+        pose.translation.vector.x += 100.0 * f64::from(k);
+        views.push(exact[0].with_pose(pose).unwrap());
+    }
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+    let outcomes: Vec<_> = refinement.poses.iter().map(|pose| pose.outcome).collect();
+    assert_eq!(outcomes[..4], [PoseOutcome::Refined; 4]);
+    assert_eq!(outcomes[4..], [PoseOutcome::Alone; 6]);
 }
 
 /// The bore's floor and the flange agree wherever such a view slides along them.

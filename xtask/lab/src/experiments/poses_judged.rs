@@ -1,7 +1,7 @@
-//! Is a turned view named, and by how much does it spoil the sections?
+//! Is a view named that was turned or shifted, and by how much does it spoil the sections?
 //!
-//! One view of a scan is turned about one of its own axes. The scan is judged, and reconstructed to
-//! see whether its error grew.
+//! One view of a scan is turned about one of its own axes, or shifted along it. The scan is judged,
+//! and reconstructed to see whether its error grew.
 
 use super::lab::Lab;
 use super::trial;
@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::table::{line, say};
 use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
-use transect_device::View;
+use transect_device::{Pixel, View, median};
 use transect_register::{CoarseView, Finding, judge};
 use transect_workflow::simulation::SensorPlan;
 
@@ -36,24 +36,51 @@ const SCANS: [(&str, Option<usize>); 5] = [
     ("tunnel", None),
 ];
 
-/// Most views of a scan that are turned, evenly over its views. No unit. Chosen by hand: each is a
+/// Most views of a scan that are moved, evenly over its views. No unit. Chosen by hand: each is a
 /// reconstruction for every axis and angle. Doubled, the experiment takes twice the time.
-const TURNED: usize = 4;
+const MOVED: usize = 4;
 
-/// Turns, in degrees.
-const DEGREES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
+/// A motion of a view in its own frame.
+#[derive(Debug, Clone, Copy)]
+enum Motion {
+    /// In degrees.
+    Turn(f64),
+    /// Over the median distance of the view's surface from its sensor.
+    Shift(f64),
+}
+
+/// The motions that are tried about, and along, each axis.
+const MOTIONS: [Motion; 8] = [
+    Motion::Turn(1.0),
+    Motion::Turn(3.0),
+    Motion::Turn(10.0),
+    Motion::Turn(30.0),
+    Motion::Shift(0.01),
+    Motion::Shift(0.03),
+    Motion::Shift(0.1),
+    Motion::Shift(0.3),
+];
+
+impl std::fmt::Display for Motion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Turn(degrees) => write!(f, "turned by {degrees}°"),
+            Self::Shift(share) => write!(f, "shifted by {} %", 100.0 * share),
+        }
+    }
+}
 
 /// Factor on the error from which it grew. No unit. Chosen by hand: half more than without the
-/// turn. Doubled, only turns that ruin the sections count.
+/// motion. Doubled, only motions that ruin the sections count.
 const GREW: f64 = 1.5;
 
-/// Counts for one angle: trials, the view named alone, another named, none named, errors that grew,
+/// Counts for one motion: trials, the view named alone, another named, none named, errors that grew,
 /// and these without the name.
 type Counts = [usize; 6];
 
 /// Runs the experiment.
 pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
-    let mut counts = [Counts::default(); DEGREES.len()];
+    let mut counts = [Counts::default(); MOTIONS.len()];
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|scene| scene == name);
     for (name, views) in SCANS.into_iter().filter(|(name, _)| chosen(name)) {
         let scene = trial::bundled(name)?;
@@ -64,15 +91,15 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
         let copy = if arguments.copies_of_runs { CoarseView::quick } else { CoarseView::new };
         let coarse: Vec<CoarseView> = views.par_iter().map(copy).collect();
         say(&format!("{name}, {} views: {:?}", views.len(), judge(&coarse).findings));
-        let step = views.len().div_ceil(TURNED);
+        let step = views.len().div_ceil(MOVED);
         for view in (0..views.len()).step_by(step) {
             for axis in 0..3 {
-                for (degrees, counts) in DEGREES.iter().zip(&mut counts) {
-                    let turned = turned(&views, view, axis, *degrees)?;
-                    let verdict = verdict(&coarse, *turned[view].world_from_sensor(), view);
+                for (motion, counts) in MOTIONS.iter().zip(&mut counts) {
+                    let moved = moved(&views, view, axis, *motion)?;
+                    let verdict = verdict(&coarse, *moved[view].world_from_sensor(), view);
                     let grew = match before {
                         Some(before) => {
-                            let after = trial::errors(&scene, &turned, &setup)?;
+                            let after = trial::errors(&scene, &moved, &setup)?;
                             after.iter().zip(before).any(|(a, b)| *a > GREW * b)
                         }
                         None => false,
@@ -89,8 +116,9 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
                     counts.iter_mut().zip(of_trial).for_each(|(sum, is)| *sum += usize::from(is));
                     if !is_named {
                         let (view, grew) = (views[view].name(), if grew { "grew" } else { "held" });
-                        let turn = format!("{view} by {degrees} degrees about axis {axis}");
-                        say(&format!("  not named: {turn}; the error {grew}"));
+                        say(&format!(
+                            "  not named: {view}, {motion}, axis {axis}; the error {grew}"
+                        ));
                     }
                 }
             }
@@ -99,14 +127,28 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     print(&counts, lab)
 }
 
-fn turned(views: &[View], view: usize, axis: usize, degrees: f64) -> Result<Vec<View>, Failure> {
-    let turn = Isometry3::rotation(Vector3::ith(axis, degrees.to_radians()));
+fn moved(views: &[View], view: usize, axis: usize, by: Motion) -> Result<Vec<View>, Failure> {
     let mut views = views.to_vec();
-    views[view] = views[view].with_pose(views[view].world_from_sensor() * turn)?;
+    let motion = match by {
+        Motion::Turn(degrees) => Isometry3::rotation(Vector3::ith(axis, degrees.to_radians())),
+        Motion::Shift(share) => {
+            let by = Vector3::ith(axis, share * distance(&views[view]));
+            Isometry3::translation(by.x, by.y, by.z)
+        }
+    };
+    views[view] = views[view].with_pose(views[view].world_from_sensor() * motion)?;
     Ok(views)
 }
 
-/// Whether the turned view is named, and no other; `None` if nothing is found.
+/// The median distance of a view's surface from its sensor; 0 without any.
+fn distance(view: &View) -> f64 {
+    let size = view.image().size();
+    let pixels = (0..size.rows).flat_map(|row| (0..size.cols).map(move |col| Pixel::new(row, col)));
+    let points = pixels.filter_map(|pixel| view.point_in_sensor(pixel));
+    median(points.map(|point| point.coords.norm())).unwrap_or(0.0)
+}
+
+/// Whether the moved view is named, and no other; `None` if nothing is found.
 fn verdict(coarse: &[CoarseView], pose: Isometry3<f64>, view: usize) -> Option<bool> {
     let mut coarse = coarse.to_vec();
     coarse[view] = coarse[view].clone().with_pose(pose);
@@ -120,11 +162,11 @@ fn verdict(coarse: &[CoarseView], pose: Isometry3<f64>, view: usize) -> Option<b
 }
 
 fn print(counts: &[Counts], lab: &Lab) -> Result<(), Failure> {
-    let of_turn = |(degrees, counts): (&f64, &Counts)| {
-        line(format!("{degrees}°"), counts.map(|n| n.to_string()))
+    let of_motion = |(motion, counts): (&Motion, &Counts)| {
+        line(motion.to_string(), counts.map(|n| n.to_string()))
     };
-    let heads = "turn | trials | named alone | another named | nothing named | error grew by more than half | of these not named";
-    lab.table("table", heads, DEGREES.iter().zip(counts).map(of_turn))?;
+    let heads = "one view | trials | named alone | another named | nothing named | error grew by more than half | of these not named";
+    lab.table("table", heads, MOTIONS.iter().zip(counts).map(of_motion))?;
     say("The error is the median or the 95 % quantile of the distances from the true sections.");
     Ok(())
 }
