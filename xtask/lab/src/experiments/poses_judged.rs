@@ -74,8 +74,8 @@ impl std::fmt::Display for Motion {
 /// motion. Doubled, only motions that ruin the sections count.
 const GREW: f64 = 1.5;
 
-/// Counts for one motion: trials, the view named alone, another named, none named, errors that grew,
-/// and these without the name.
+/// Counts for one motion: trials, the view named alone, another named, none named, errors that
+/// grew, and these without the name.
 type Counts = [usize; 6];
 
 /// Runs the experiment.
