@@ -44,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if failures.is_empty()
         && let Some(poses) = scan.judge(&Unwatched)?
     {
+        notes::tell(&poses.notes());
         notes::warn(&poses.warnings());
     }
     if !views.is_empty() {

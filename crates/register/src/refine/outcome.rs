@@ -10,7 +10,8 @@ use super::solve::System;
 use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_along_normals};
 use crate::prior::PosePrior;
 use crate::tuning::{
-    FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS, SAMPLING_ROUGH,
+    FAR_OFF, FIRST_ROTATION_DEGREES, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS,
+    SAMPLING_ROUGH,
 };
 use nalgebra::Matrix6;
 use std::collections::BTreeSet;
@@ -83,6 +84,15 @@ pub struct PoseRefinement {
     /// The given poses and depths stay then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_over_true: Option<[f64; 2]>,
+}
+
+impl PoseRefinement {
+    /// Whether refined views turned by more than poses usually err, by 3°. Where another reading
+    /// explains the contradictions, too, such turns bend the poses to what was misread.
+    pub fn bends_poses(&self) -> bool {
+        let refined = self.poses.iter().filter(|pose| pose.outcome == PoseOutcome::Refined);
+        refined.map(|pose| pose.rotation.to_degrees()).any(|turn| turn > FIRST_ROTATION_DEGREES)
+    }
 }
 
 /// The error of a camera in reports: the root mean square of its offsets, and its depths over

@@ -126,9 +126,9 @@ impl PoseReport {
             _ => advice(*reading, self.unit),
         };
         format!(
-            "the poses contradict each other, and agree if they are read another way: {}. Of the \
-             surfaces that views share, {agree} agree and {contradict} contradict as given, \
-             {agree_read} and {contradict_read} when read that way. {advice}",
+            "the poses contradict each other, and agree if they are read another way: {}. As given, \
+             {agree} of the surface lies on that of other views, and {contradict} of the comparisons \
+             contradict; read that way, {agree_read} and {contradict_read}. {advice}",
             reading.meaning()
         )
     }

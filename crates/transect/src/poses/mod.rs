@@ -120,13 +120,14 @@ impl PoseReport {
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         let mut judgement = judge(&copies);
-        if let (Some(_), Some(found)) = (&refinement, &found_reading) {
+        if let (Some(refined), Some(found)) = (&refinement, &found_reading) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
             let again = find_reading(&copies, stated.as_ref(), again);
             // An object that moved contradicts at right poses, too.
             let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
-            if again.is_none() && agree && found.is_matched_by(&copies) {
+            let explained = !refined.bends_poses() && found.is_matched_by(&copies);
+            if again.is_none() && agree && explained {
                 found_reading = None;
             } else {
                 found_reading = again.or(found_reading);
