@@ -1,7 +1,7 @@
 //! How far all views of a scan agree at the places where they are taken to be.
 
 use crate::coarse::CoarseView;
-use crate::judge::pair::{Placed, Placing, Probe, probes, samples};
+use crate::judge::pair::{Placed, Placing, Probe, Sample, probes, samples};
 use rayon::prelude::*;
 
 /// Patches of all views together that are compared with the other views, and most of one view. No
@@ -49,14 +49,14 @@ pub(super) fn accord_of(
     let counts = |a: usize| {
         let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
         for b in (0..views.len()).filter(|b| *b != a) {
-            for sample in samples(&probes[a], placed(a), placed(b), 1.0) {
+            for sample in seen_by(&probes[a], placed(a), placed(b)) {
                 if sample.met {
                     good += 1;
                     let probe = probes[a].binary_search_by_key(&sample.cell, |p| p.cell);
                     if let Some(agree) = probe.ok().and_then(|k| agree.get_mut(k)) {
                         *agree = true;
                     }
-                } else if sample.distance.abs() > sample.radius {
+                } else if sample.distance > sample.radius {
                     bad += 1;
                 }
             }
@@ -68,6 +68,16 @@ pub(super) fn accord_of(
         (0..views.len()).into_par_iter().map(counts).reduce(|| [0; 4], add);
     let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
     Accord { agreeing: share(agreeing, all), contradicting: share(bad, good + bad) }
+}
+
+/// What a view says about patches of another one. What these say about its own surface is left to
+/// its own patches: at wrong distances of all images, that is nearly everything.
+fn seen_by<'a>(
+    probes: &'a [Probe],
+    own: Placed<'a>,
+    other: Placed<'a>,
+) -> impl Iterator<Item = Sample> + use<'a> {
+    samples(probes, own, other, 1.0).into_iter().filter(|s| s.met || s.distance > 0.0)
 }
 
 /// The mean square of the distances of views from each other's surfaces, in `reach` radii of a
@@ -82,7 +92,7 @@ pub(super) fn misfit(
     let placed = |k: usize| Placed { view: views[k], at: placings[k] };
     let of_view = |a: usize| {
         let others = (0..views.len()).filter(|b| *b != a);
-        let found = others.flat_map(|b| samples(&probes[a], placed(a), placed(b), 1.0));
+        let found = others.flat_map(|b| seen_by(&probes[a], placed(a), placed(b)));
         let square = |distance: f64| distance.powi(2).min(1.0);
         let squares = found.map(|sample| square(sample.distance / (reach * sample.radius)));
         squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1))
