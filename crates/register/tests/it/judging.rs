@@ -16,6 +16,21 @@ fn of_stored(views: &[View]) -> Vec<Finding> {
     judge(&views.iter().map(stored).collect::<Vec<_>>()).findings
 }
 
+/// Most of the walls that a shifted scanner measured lie behind those of others, which says
+/// nothing. But it looked through these.
+#[test]
+fn a_scanner_that_is_shifted_in_a_room_is_named() {
+    let views = full_turns();
+    for (axis, length) in [(0, 0.1), (0, -0.2), (1, 0.1), (1, -0.2), (2, 0.1), (2, -0.2)] {
+        let mut shifted = views.clone();
+        let mut pose = *views[2].world_from_sensor();
+        pose.translation.vector[axis] += length;
+        shifted[2] = views[2].with_pose(pose).unwrap();
+        let found = findings(&shifted);
+        assert_eq!(alone(&found), Some(views[2].name()), "axis {axis}, {length} m: {found:?}");
+    }
+}
+
 #[test]
 fn sound_scans_have_no_findings() {
     for name in transect_scene::BUNDLED_SCENES.map(|(name, _)| name) {
