@@ -18,20 +18,13 @@
 //! 1. Views with the same rays share a camera.
 //! 2. The poses settle first. Then samples and patches are looked up with the offsets known so
 //!    far.
-//! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
-//!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
-//!    vanish.
-//! 4. After the rounds, each camera is tested. If its scale or focal length is wrong more probably
-//!    than right, both become unknowns. The rounds are repeated from the given poses, which do not
-//!    hide them.
-//! 5. If the odds of a focal length exceed `FOCAL_ODDS` then, and pairs that are left out agree
-//!    better with it (`left_out.rs`), poses and images stay as given. The result states the focal
-//!    lengths. The images cannot be corrected for them here.
-//! 6. Else the rounds are repeated with free scales alone. A scale whose odds do not exceed
-//!    `SCALE_ODDS` then is right.
+//! 3. The offsets have a prior: `step` holds neighbouring nodes together. It follows from the
+//!    evidence (MacKay, 1992), so the offsets of a sound camera vanish. Their mean, the level, is
+//!    one number, which evidence of that kind fits to itself. So its prior is fixed.
+//! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, FOCAL_ODDS, SCALE_ODDS};
+use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, FOCAL_ODDS, LEVEL_ODDS, SCALE_ODDS};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -56,8 +49,9 @@ pub struct Camera {
     /// The offsets at the nodes, in 1 / length, the relative change of 1 / depth, and the relative
     /// errors of the focal lengths.
     pub errors: DVector<f64>,
-    /// Precision of each offset, and of the steps between neighbouring nodes.
-    own: f64,
+    /// Precision of the level of the offsets, which is their mean, and of the steps between
+    /// neighbouring nodes.
+    level: f64,
     step: f64,
     /// Precision of the relative change, and of the errors of the focal lengths.
     scale: f64,
@@ -70,12 +64,18 @@ pub struct Camera {
 /// The odds that parts of a camera are wrong; those of parts that are not free mean nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Odds {
+    pub level: f64,
     pub scale: f64,
     /// The larger one of `fx` and `fy`.
     pub focal: f64,
 }
 
 impl Odds {
+    /// Whether the level of the offsets is wrong by these odds.
+    pub fn level_is_wrong(&self) -> bool {
+        self.level > LEVEL_ODDS
+    }
+
     /// Whether the scale is wrong by these odds.
     pub fn scale_is_wrong(&self) -> bool {
         self.scale > SCALE_ODDS
@@ -139,7 +139,7 @@ impl Cameras {
         let errors = DVector::zeros(UNKNOWNS);
         let sound = first / EXACT.powi(2);
         let (scale, focal) = (SOUND_SCALE, SOUND_SCALE);
-        let camera = Camera { errors, own: sound, step: sound, scale, focal, first, sound };
+        let camera = Camera { errors, level: sound, step: sound, scale, focal, first, sound };
         Self { of_view, around, list: vec![camera; shared.len()] }
     }
 
@@ -148,7 +148,8 @@ impl Cameras {
         let mut sound = self.clone();
         for camera in &mut sound.list {
             camera.errors = DVector::zeros(UNKNOWNS);
-            (camera.own, camera.scale, camera.focal) = (camera.sound, SOUND_SCALE, SOUND_SCALE);
+            (camera.level, camera.step) = (camera.sound, camera.sound);
+            (camera.scale, camera.focal) = (SOUND_SCALE, SOUND_SCALE);
         }
         sound
     }
@@ -233,7 +234,14 @@ impl Cameras {
     /// Lets the cameras err, after the poses have settled.
     pub fn release(&mut self) {
         for camera in &mut self.list {
-            (camera.own, camera.step) = (camera.first, camera.first);
+            (camera.level, camera.step) = (camera.first, camera.first);
+        }
+    }
+
+    /// Holds the levels of those cameras at zero that are chosen by number.
+    pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool) {
+        for (_, camera) in self.list.iter_mut().enumerate().filter(|(k, _)| is_held(*k)) {
+            camera.level = camera.sound;
         }
     }
 
@@ -260,17 +268,23 @@ impl Cameras {
     /// large as stated the standard deviations of focal lengths are taken.
     pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>, sigmas: f64) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
-        let odds = |(k, camera): (usize, &Camera)| {
-            let of_part = |part: usize, sigmas: f64| {
-                let at = first + UNKNOWNS * k + part;
-                let variance = sigmas.powi(2) * root.column(at).norm_squared();
-                let error = camera.errors[part] + changes[at];
-                (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
+        let of_camera = |(k, camera): (usize, &Camera)| {
+            let at = first + UNKNOWNS * k;
+            let errors = &camera.errors + changes.rows(at, UNKNOWNS);
+            let root = root.columns(at, UNKNOWNS);
+            let of_scale = |part: usize, sigmas: f64| {
+                odds(errors[part], root.column(part).norm_squared(), FREE_SCALE, sigmas)
             };
-            let [x, y] = FOCAL.map(|part| of_part(part, sigmas));
-            Odds { scale: of_part(NODES, 1.0), focal: x.max(y) }
+            let (mean, root_of_mean) =
+                (errors.rows(0, NODES).mean(), root.columns(0, NODES).column_mean());
+            let [x, y] = FOCAL.map(|part| of_scale(part, sigmas));
+            Odds {
+                level: odds(mean, root_of_mean.norm_squared(), camera.first, sigmas),
+                scale: of_scale(NODES, 1.0),
+                focal: x.max(y),
+            }
         };
-        self.list.iter().enumerate().map(odds).collect()
+        self.list.iter().enumerate().map(of_camera).collect()
     }
 
     /// The changes of free scales and focal lengths, in their standard deviations.
@@ -312,7 +326,7 @@ impl Cameras {
     /// The offsets of a view's camera that the images tell from zero; `None` for a sound camera.
     pub fn of_view(&self, view: usize) -> Option<DepthOffsets> {
         let camera = (*self.of_view.get(view)?)?;
-        let errs = |c: &&Camera| c.own < c.sound || c.scale_is_free();
+        let errs = |c: &&Camera| c.step < c.sound || c.level < c.sound || c.scale_is_free();
         let camera = self.list.get(camera).filter(errs)?;
         let values = camera.errors.iter().copied().take(NODES).collect();
         let offsets = DepthOffsets::new(ROWS, COLS, values).ok()?;
@@ -353,24 +367,31 @@ impl Camera {
     }
 
     fn of_offsets(&self) -> DMatrix<f64> {
-        DMatrix::identity(NODES, NODES) * self.own + steps() * self.step
+        let of_level = DMatrix::repeat(NODES, NODES, self.level / (NODES * NODES) as f64);
+        steps() * self.step + of_level
     }
 
-    /// The larger the errors and the steps of offsets, for what is known of them, the weaker the
-    /// prior.
+    /// The larger the steps of offsets, for what is known of them, the weaker the prior.
     fn learn(&mut self, errors: &DVector<f64>, covariance: &DMatrix<f64>) {
         let Some(prior) = self.of_offsets().cholesky().map(|c| c.inverse()) else { return };
         let (steps, spare) = (steps(), prior - covariance.view((0, 0), (NODES, NODES)));
         let offsets = errors.rows(0, NODES);
+        let square = offsets.dot(&(&steps * offsets));
         // Half an error at least, so that errors that explain nothing vanish step by step.
-        let factor = |precision: f64, known: f64, square: f64| {
-            precision * (known.max(0.5 / precision) / square).clamp(1e-3, 1e3)
-        };
-        let square_of_steps = offsets.dot(&(&steps * offsets));
-        self.own = factor(self.own, spare.trace(), offsets.norm_squared()).min(self.sound);
-        self.step = factor(self.step, (spare * steps).trace(), square_of_steps);
-        self.step = self.step.min(self.sound);
+        let known = (spare * steps).trace().max(0.5 / self.step);
+        self.step = (self.step * (known / square).clamp(1e-3, 1e3)).min(self.sound);
     }
+}
+
+/// The odds of a free number against zero, from its estimate, the variance of that, and the
+/// precision before the images are seen. The standard deviation that the images alone give is taken
+/// `sigmas` times as large.
+fn odds(estimate: f64, variance: f64, precision: f64, sigmas: f64) -> f64 {
+    let by_images = (1.0 - precision * variance).max(f64::EPSILON);
+    let (seen, before) = (estimate / by_images, precision.recip());
+    let variance = sigmas.powi(2) * variance / by_images;
+    let wrong = variance + before;
+    (variance / wrong).sqrt() * (0.5 * seen * seen * (variance.recip() - wrong.recip())).exp()
 }
 
 /// The matrix of the sum of squared steps between neighbouring nodes.
@@ -395,7 +416,7 @@ mod tests {
     use super::*;
 
     fn camera(errors: DVector<f64>, (scale, focal): (f64, f64)) -> Camera {
-        Camera { errors, own: 1.0, step: 1.0, scale, focal, first: 1.0, sound: 2.0 }
+        Camera { errors, level: 1.0, step: 1.0, scale, focal, first: 1.0, sound: 2.0 }
     }
 
     #[test]

@@ -17,7 +17,7 @@
 //!    The evidence also tells about which point poses err (`pivot.rs`), and whether they drift from
 //!    view to view (`drift.rs`).
 //! 4. The error that a depth camera makes alike in all its images is found beside the motions:
-//!    `camera.rs`.
+//!    `camera.rs`. Parts of it that poses can hide are tested afterwards: `wrong_cameras.rs`.
 //! 5. The motion that all views share is taken out.
 //! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
 //! 7. A view that does not fit the others, moves far or contradicts them at their new poses is left
@@ -42,16 +42,16 @@ mod solve;
 #[cfg(test)]
 mod tests;
 mod uncertainty;
+mod wrong_cameras;
 
 use crate::coarse::CoarseView;
 use crate::judge::{Suspects, suspects};
 use crate::prior::{PosePrior, PriorError};
 use crate::tuning::{
-    BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS,
-    LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
-    SCALE_RUNS, SCALE_SETTLED, SETTLED, SUMS,
+    BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, LEAST_FOR_SCALE,
+    LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SUMS,
 };
-use camera::{Cameras, Freed, Odds};
+use camera::Cameras;
 use drift::{Drift, Errors, estimated_prior};
 use independent::independent_share;
 use motion::{Motion, motion_between, moved};
@@ -250,86 +250,7 @@ impl<'a> Rounds<'a> {
         self.run_rounds();
         let suspected = self.suspected_cameras();
         self.free_cameras(suspected);
-    }
-
-    /// Which depth cameras have a wrong scale or focal length more probably than right ones. Poses
-    /// and offsets have hidden such an error as far as they could.
-    fn suspected_cameras(&mut self) -> Vec<bool> {
-        if self.cameras.list.is_empty() {
-            return Vec::new();
-        }
-        let free = self.cameras.freed(Freed::ScaleAndFocal, |_| true);
-        let cameras = std::mem::replace(&mut self.cameras, free);
-        let odds = self.odds(1.0);
-        self.cameras = cameras;
-        let largest =
-            |odds: Odds| if self.scales_stay { odds.focal } else { odds.scale.max(odds.focal) };
-        odds.into_iter().map(|odds| largest(odds) > 1.0).collect()
-    }
-
-    /// Repeats the rounds with free scales and focal lengths of the suspected cameras, which raises
-    /// the odds of wrong ones. They begin at the given poses, since the refined ones hide them;
-    /// views that were far off stay where they were brought. A wrong focal length is kept for the
-    /// result, and everything else stays as it was. Wrong scales are found in rounds of their own.
-    fn free_cameras(&mut self, suspected: Vec<bool>) {
-        if !suspected.contains(&true) {
-            return;
-        }
-        let sound = self.clone();
-        let far_off = self.far_off(|| self.whole_system());
-        let begin = self.given.iter().zip(&self.poses).zip(far_off);
-        let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
-        let odds = self.rounds_with(&sound, Freed::ScaleAndFocal, &suspected, &begin);
-        let wrong = |is_wrong: fn(&Odds) -> bool| -> Vec<bool> {
-            suspected
-                .iter()
-                .zip(&odds)
-                .map(|(suspected, odds)| *suspected && is_wrong(odds))
-                .collect()
-        };
-        let focal = wrong(Odds::focal_is_wrong).iter().position(|wrong| *wrong);
-        let focal = focal.filter(|_| self.predicts_better_than(&sound));
-        let focal = focal.and_then(|k| self.cameras.focal_over_true(k));
-        let mut scales = wrong(Odds::scale_is_wrong);
-        while focal.is_none() && !sound.scales_stay && scales.contains(&true) {
-            let odds = self.rounds_with(&sound, Freed::Scale, &scales, &begin);
-            let still: Vec<bool> =
-                scales.iter().zip(odds).map(|(s, odds)| *s && odds.scale_is_wrong()).collect();
-            if still == scales {
-                return;
-            }
-            scales = still;
-        }
-        *self = Self { focal_over_true: focal, ..sound };
-    }
-
-    /// Repeats the rounds with free parts of some cameras, from some poses on. Returns the odds
-    /// that these parts are wrong.
-    fn rounds_with(
-        &mut self,
-        sound: &Self,
-        parts: Freed,
-        free: &[bool],
-        begin: &[Isometry3],
-    ) -> Vec<Odds> {
-        *self = sound.clone();
-        self.cameras = self.cameras.freed(parts, |k| free.get(k) == Some(&true));
-        let mut odds = Vec::new();
-        for _ in 0..SCALE_RUNS {
-            let last = self.cameras.scales();
-            self.poses.clone_from_slice(begin);
-            self.last_change.fill(0.0);
-            let settled = self.run_rounds();
-            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            odds = self.odds(FOCAL_SIGMAS);
-            let is_wrong = |odds: &Odds| odds.scale_is_wrong() || odds.focal_is_wrong();
-            let scales = self.cameras.scales();
-            let holds = (&scales - last).norm() <= SCALE_SETTLED * scales.norm();
-            if settled || holds || !odds.iter().any(is_wrong) {
-                break;
-            }
-        }
-        odds
+        self.hold_levels();
     }
 
     /// Moves all views until they settle, and says whether they do.
@@ -342,16 +263,6 @@ impl<'a> Rounds<'a> {
             }
         }
         false
-    }
-
-    /// The odds that the free parts of each depth camera are wrong, from the pairs as they are.
-    fn odds(&self, sigmas: f64) -> Vec<Odds> {
-        let (priors, moved) = (self.priors(), self.motions());
-        let solution = self
-            .whole_system()
-            .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
-        let odds = solution.map(|s| self.cameras.odds(&s.unknowns, &s.root(), sigmas));
-        odds.unwrap_or_else(|| vec![Odds::default(); self.cameras.list.len()])
     }
 
     /// Finds the meetings at the poses as they are, about as many as wanted.

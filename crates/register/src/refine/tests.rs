@@ -1,11 +1,12 @@
 //! Tests of the rounds of a refinement, before its result.
 
+use super::camera::Freed;
 use super::observations::{CameraSlopes, Observation};
 use super::outcome::medians;
 use super::*;
 use crate::scrambled::scrambled;
-use crate::tuning::{PARTNERS, SHARED};
-use transect_device::{RangeImage, View};
+use crate::tuning::{CAMERA_GRID, PARTNERS, SHARED};
+use transect_device::{DepthOffsets, RangeImage, View};
 use transect_scene::{BUNDLED_SCENES, Description, Noise};
 
 /// Frames of a depth camera that errs by 2 %.
@@ -55,6 +56,31 @@ fn views_without_pairs_take_no_numbers_out() {
     let share = independent_share(&views, &rounds.pairs);
     let with_others: Vec<&CoarseView> = views.iter().chain(&views).copied().collect();
     assert_eq!(independent_share(&with_others, &rounds.pairs), share);
+}
+
+/// Neighbouring frames hardly tell an offset of the whole image from other poses. One that they do
+/// not tell is none, and a large one is found.
+#[test]
+fn a_level_is_zero_unless_it_is_clearly_wrong() {
+    // The camera has a level of its own, of a third of what is added.
+    for (added, tolerance) in [(0.0, 1e-6), (0.03, 0.01)] {
+        let offset = DepthOffsets::new(2, 2, vec![added; 4]).unwrap();
+        let copies = depth_camera().into_iter().map(|view| {
+            let image = offset.correct(view.frame(), view.image()).unwrap();
+            CoarseView::new(&view.with_image(image).unwrap())
+        });
+        let copies: Vec<CoarseView> = copies.collect();
+        let views: Vec<&CoarseView> = copies.iter().collect();
+        let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+        let scene = scene(views, &given);
+        let mut rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+        rounds.run();
+        let offsets = rounds.cameras.list[0].errors.rows(0, CAMERA_GRID.0 * CAMERA_GRID.1);
+        let (level, largest) = (offsets.mean(), offsets.amax());
+        println!("added {added}: level {level}, largest offset {largest}");
+        assert!((level + added).abs() < tolerance, "{level}");
+        assert!(largest > 2e-3, "{largest}");
+    }
 }
 
 /// One view moves a thousand times as far as the others, and still far less than its noise.
