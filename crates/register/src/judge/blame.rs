@@ -86,10 +86,14 @@ impl Table {
     /// The largest share of contradictions of a view that is not blamed; `None` if no two of these
     /// meet.
     pub fn usual_share(&self, blamed: &[usize]) -> Option<f64> {
+        self.shares(blamed).max_by(f64::total_cmp)
+    }
+
+    /// The shares of contradictions of the views that are not blamed and meet another of these.
+    pub fn shares(&self, blamed: &[usize]) -> impl Iterator<Item = f64> {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
         let counts = right.map(|k| self.with_right(k, blamed));
-        let known = counts.filter(|c| c.all() >= LEAST_COMPARED);
-        known.map(Counts::bad_share).max_by(f64::total_cmp)
+        counts.filter(|c| c.all() >= LEAST_COMPARED).map(Counts::bad_share)
     }
 
     /// The views whose being wrong explains the contradictions: at most half of all.

@@ -11,6 +11,7 @@
 //! 3. For each of them, the motion or the scale is estimated that would make it agree with the
 //!    others (`motion.rs`).
 //! 4. Where only a part of a view contradicts, the part is named (`region.rs`).
+//! 5. Where most views contradict however they are taken, no view and no part is named.
 //!
 //! While poses are refined, `search/` finds where a view belongs that is far off.
 
@@ -30,8 +31,8 @@ use rayon::prelude::*;
 use region::{Regions, regions};
 pub(crate) use search::{Places, root_of_far, squares_apart};
 use std::cmp::Reverse;
-use transect_device::Isometry3;
-use tuning::{BAD_IF_RIGHT, LEAST_COMPARED, MENDED, REGION_SHARE};
+use transect_device::{Isometry3, median};
+use tuning::{BAD_IF_RIGHT, BAD_IF_WRONG, LEAST_COMPARED, MENDED, REGION_SHARE};
 
 /// The findings about the poses of a scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -42,6 +43,13 @@ pub struct Judgement {
     pub views: Vec<Agreement>,
     /// The distance by which surfaces of two views usually differ, in the model's length unit.
     pub usual_distance: f64,
+}
+
+impl Judgement {
+    /// Whether most views contradict each other.
+    pub fn all_contradict(&self) -> bool {
+        self.findings.iter().any(|finding| matches!(finding, Finding::All { .. }))
+    }
 }
 
 /// How far a view agrees with all others together.
@@ -78,6 +86,14 @@ pub enum Finding {
     },
     /// A part of a view contradicts others, while the rest of it agrees.
     Region(Region),
+    /// Most views contradict the others, and none stands out: their poses belong to another scan,
+    /// or are none at all.
+    All {
+        /// Share of the contradicting patches of the median view, but for those that stand out.
+        contradicting: f64,
+        /// Whether all views have the same pose, as stations that were never registered.
+        one_pose: bool,
+    },
 }
 
 /// A view that contradicts the others.
@@ -176,6 +192,9 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     findings.extend(apart(&evidence, &table, &blamed));
     let named = right(&blamed).into_iter().flat_map(|k| all[k].regions.iter().cloned());
     findings.extend(named.map(Finding::Region));
+    if let Some(all) = all_contradict(&evidence, &table, &blamed) {
+        findings = vec![all];
+    }
     let agreement = |k: usize| {
         let counts = table.with_right(k, &[]);
         let (compared, contradicting) = (counts.all(), counts.bad_share());
@@ -363,6 +382,14 @@ fn of_view(
     let against = right.iter().filter(compared).count();
     let usual = table.usual_share(blamed).unwrap_or(0.0);
     Finding::Misplaced(Misplaced { view: name, contradicting, usual, against, motion })
+}
+
+/// The finding that most of the views contradict which are not blamed.
+fn all_contradict(evidence: &Evidence<'_>, table: &Table, blamed: &[usize]) -> Option<Finding> {
+    let contradicting = median(table.shares(blamed)).filter(|share| *share > BAD_IF_WRONG)?;
+    let poses = || evidence.placings.iter().map(|placing| placing.world_from_sensor);
+    let one_pose = poses().zip(poses().skip(1)).all(|(a, b)| a == b);
+    Some(Finding::All { contradicting, one_pose })
 }
 
 /// Views that no other view meets, where the others meet each other.

@@ -124,6 +124,29 @@ fn a_wrong_scale_of_the_ranges_is_named_with_its_factor() {
     }
 }
 
+/// Stations that were never registered all have the same pose. A standing scanner has, too, and so
+/// have clouds whose points are in the world.
+#[test]
+fn views_that_contradict_at_one_pose_are_told_from_a_scanner_that_stood_still() {
+    for scene in ["room", "tunnel", "machined_part", "face_mask", "kitchen"] {
+        let views = simulated(scene, "");
+        let pose = *views[0].world_from_sensor();
+        let at_one_pose: Vec<View> = views.iter().map(|v| v.with_pose(pose).unwrap()).collect();
+        let found = findings(&at_one_pose);
+        let [Finding::All { contradicting, one_pose: true }] = found[..] else {
+            panic!("{scene}: {found:?}")
+        };
+        println!("{scene}: {contradicting}");
+        let mut apart = at_one_pose;
+        let shift = Isometry3::translation(1e-3, 0.0, 0.0);
+        apart[0] = apart[0].with_pose(pose * shift).unwrap();
+        let found = findings(&apart);
+        assert!(matches!(found[..], [Finding::All { one_pose: false, .. }]), "{scene}: {found:?}");
+        let repeated: Vec<View> = (0..4).map(|_| views[0].clone()).collect();
+        assert_eq!(findings(&repeated), []);
+    }
+}
+
 #[test]
 fn two_groups_are_named_as_such() {
     let mut views = simulated("room", "");

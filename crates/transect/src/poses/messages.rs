@@ -58,7 +58,7 @@ impl PoseReport {
             Finding::Misplaced(found) => found.view == name,
             Finding::Scaled(found) => found.view == name,
             Finding::Apart { view } => view == name,
-            Finding::Groups { .. } | Finding::Region(_) => false,
+            Finding::Groups { .. } | Finding::Region(_) | Finding::All { .. } => false,
         })
     }
 
@@ -112,6 +112,13 @@ impl PoseReport {
     /// The warning that another convention explains the contradictions.
     pub fn misread(&self) -> Option<String> {
         self.found_reading.as_ref().map(|found| self.convention(found))
+    }
+
+    /// Why the given poses are no beginning for a refinement: another convention explains the
+    /// contradictions, or most views contradict each other.
+    pub fn unfit(&self) -> Option<String> {
+        let all = self.judgement.findings.iter().find(|f| matches!(f, Finding::All { .. }));
+        self.misread().or_else(|| all.map(|finding| self.finding(finding)))
     }
 
     fn convention(&self, found: &FoundReading) -> String {
@@ -220,7 +227,25 @@ impl PoseReport {
                 of_groups(groups, &percent(*contradicting))
             }
             Finding::Region(region) => regions::text(region, self.unit),
+            Finding::All { contradicting, one_pose } => {
+                self.all_contradict(*contradicting, *one_pose)
+            }
         }
+    }
+
+    fn all_contradict(&self, contradicting: f64, one_pose: bool) -> String {
+        let (count, share) = (self.judgement.views.len(), percent(contradicting));
+        let cause = if one_pose {
+            "All have the same pose, as if they had never been registered. Register them with the \
+             scanner's program, and export the poses too"
+        } else {
+            "No view stands out. Check that the poses belong to this scan, and their convention \
+             (the setting `pose_convention`)"
+        };
+        format!(
+            "the {count} views contradict each other: {share} of the surface that the median view \
+             shares with others lies apart from theirs or where they saw free space. {cause}"
+        )
     }
 
     fn remedy(&self, motion: Option<Motion>) -> String {

@@ -106,6 +106,7 @@ impl PoseReport {
         let again = |order| reread(sources, order, CoarseView::new);
         let stated = stated(sources);
         let mut found_reading = find_reading(&copies, stated.as_ref(), again);
+        let options = options.filter(|_| !are_unregistered(&copies));
         let mut refinement = options.map(|options| refine(&copies, options)).transpose()?;
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
@@ -120,6 +121,11 @@ impl PoseReport {
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         let mut judgement = judge(&copies);
+        if refinement.is_some() && judgement.all_contradict() {
+            // Such poses are no beginning for a refinement.
+            (refinement, copies) = (None, coarse_views(sources, watch)?);
+            judgement = judge(&copies);
+        }
         if let (Some(refined), Some(found)) = (&refinement, &found_reading) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
@@ -161,6 +167,13 @@ impl PoseReport {
     pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
         self.refinement.iter().flat_map(|refinement| posed(refinement, sources)).collect()
     }
+}
+
+/// Whether all views have one pose, and contradict each other at it. Refined all the same, four
+/// stations turned by 18 to 27 degrees, to where they still contradicted.
+fn are_unregistered(copies: &[CoarseView]) -> bool {
+    let poses = copies.iter().map(CoarseView::world_from_sensor);
+    poses.clone().zip(poses.skip(1)).all(|(a, b)| a == b) && judge(copies).all_contradict()
 }
 
 fn posed<'a, S: ViewSource>(refinement: &PoseRefinement, sources: &'a [S]) -> Vec<Posed<'a, S>> {

@@ -77,6 +77,23 @@ fn exact_poses_stay_and_perturbed_ones_come_back() {
     assert!(mended[0] < 0.6 * bad[0] && mended[1] < 0.5 * bad[1], "{bad:?} became {mended:?} mm");
 }
 
+/// Views that were never registered have one pose. They are told as such, and none moves.
+#[test]
+fn views_at_one_pose_that_contradict_are_no_beginning() {
+    let part = part();
+    let pose = *part.views[0].world_from_sensor();
+    let views: Vec<View> = part.views.iter().map(|v| v.with_pose(pose).unwrap()).collect();
+    for refine in [false, true] {
+        let poses = part.run(&views, refine).report.poses.unwrap();
+        assert!(poses.refinement.is_none());
+        let warnings = poses.warnings();
+        let text = "the 11 views contradict each other";
+        assert!(warnings.len() == 1 && warnings[0].contains(text), "{warnings:?}");
+        assert!(warnings[0].contains("All have the same pose"), "{warnings:?}");
+        assert_eq!(poses.unfit().as_ref(), warnings.first());
+    }
+}
+
 /// A view in the middle of what others see through is not one of which nothing is known.
 #[test]
 fn a_view_that_a_warning_names_is_not_told_to_be_alone() {
