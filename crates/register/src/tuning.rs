@@ -277,18 +277,12 @@ pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 /// Doubled, 1 % is not told in a kitchen.
 pub const CAMERA_SIGMAS: f64 = 2.0;
 
-/// Odds from which the focal length of a depth camera is taken for wrong. No unit. Theory: strong
-/// evidence (Kass and Raftery, 1995). In 19 simulated scans with right ones, and in the red
-/// kitchen, the first odds are 0.8 at most. Doubled, the limit grows by a fifth of a standard
-/// deviation.
-pub const FOCAL_ODDS: f64 = 20.0;
-
-/// Odds from which the level of a depth camera, the mean of its offsets, is taken for wrong. No
-/// unit. Theory: positive evidence (Kass and Raftery, 1995); a level that is missed harms as much
-/// as a false one, so little more than even odds are asked for. Measured on parts of a kitchen with
-/// 5 to 40 frames: 2.1 at most without a level, and 20 in all frames with one of 0.6 %. Doubled,
-/// the red kitchen loses a level of 0.5 %.
-pub const LEVEL_ODDS: f64 = 3.0;
+/// Odds from which the focal length of a depth camera is taken for wrong, or its level for larger
+/// than its other offsets. No unit. Theory: strong evidence (Kass and Raftery, 1995). In 19
+/// simulated scans with right focal lengths, and in the red kitchen, the first odds are 0.8 at most.
+/// Those of levels are 7 at most in ten frames of a kitchen, and 20 in all 40 with one of 0.6 %.
+/// Doubled, the limit grows by a fifth of a standard deviation.
+pub const CAMERA_ODDS: f64 = 20.0;
 
 /// Most rounds in which views settle anew after a level is held. No unit. Theory: distances are
 /// linear in all unknowns close to the solution, so one would do but for what meets elsewhere.
@@ -314,7 +308,7 @@ pub const LEAST_FOR_SCALE: usize = 4;
 /// Most runs of [`ROUNDS`] with free scales, each from the given poses. No unit. Measured with
 /// eleven views around a part, at their true poses, whose depths are 3.5 % too large: 2.1 % are
 /// found after one run, 3.2 % after two, and 3.50 % after three. No run follows one that leaves all
-/// odds below [`SCALE_ODDS`] and [`FOCAL_ODDS`]: in the red kitchen it would end at 3, and
+/// odds below [`SCALE_ODDS`] and [`CAMERA_ODDS`]: in the red kitchen it would end at 3, and
 /// `register` would take twice the time. Doubled, scans with wrong scales take up to twice as long.
 pub const SCALE_RUNS: usize = 4;
 

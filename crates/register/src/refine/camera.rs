@@ -24,7 +24,7 @@
 //! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, FOCAL_ODDS, LEVEL_ODDS, SCALE_ODDS};
+use crate::tuning::{CAMERA_GRID, CAMERA_ODDS, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -73,7 +73,7 @@ pub struct Odds {
 impl Odds {
     /// Whether the level of the offsets is wrong by these odds.
     pub fn level_is_wrong(&self) -> bool {
-        self.level > LEVEL_ODDS
+        self.level > CAMERA_ODDS
     }
 
     /// Whether the scale is wrong by these odds.
@@ -83,7 +83,7 @@ impl Odds {
 
     /// Whether a focal length is.
     pub fn focal_is_wrong(&self) -> bool {
-        self.focal > FOCAL_ODDS
+        self.focal > CAMERA_ODDS
     }
 }
 
@@ -238,10 +238,13 @@ impl Cameras {
         }
     }
 
-    /// Holds the levels of those cameras at zero that are chosen by number.
-    pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool) {
+    /// Takes the levels of those cameras that are chosen by number for as large as their other
+    /// offsets. `sigmas` is how many times as large as stated their standard deviations are taken:
+    /// as a prior that is as many times narrower.
+    pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool, sigmas: f64) {
         for (_, camera) in self.list.iter_mut().enumerate().filter(|(k, _)| is_held(*k)) {
-            camera.level = camera.sound;
+            let others = camera.errors.rows(0, NODES).variance();
+            camera.level = (sigmas * sigmas / others).min(camera.sound);
         }
     }
 
