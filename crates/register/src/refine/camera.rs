@@ -268,7 +268,7 @@ impl Cameras {
     /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and
     /// their [`Solution::root`](super::solve::Solution::root): the probability of the right scale
     /// before the images are seen over that after it (Dickey, 1971). `sigmas` is how many times as
-    /// large as stated the standard deviations of focal lengths are taken.
+    /// large as stated the standard deviations of levels and focal lengths are taken.
     pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>, sigmas: f64) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
         let of_camera = |(k, camera): (usize, &Camera)| {
