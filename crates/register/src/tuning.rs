@@ -279,8 +279,8 @@ pub const CAMERA_SIGMAS: f64 = 2.0;
 
 /// Odds from which the focal length of a depth camera is taken for wrong, or its level for larger
 /// than its other offsets. No unit. Theory: strong evidence (Kass and Raftery, 1995). In 19
-/// simulated scans with right focal lengths, and in the red kitchen, the first odds are 0.8 at most.
-/// Those of levels are 7 at most in ten frames of a kitchen, and 20 in all 40 with one of 0.6 %.
+/// simulated scans with right focal lengths, and in the red kitchen, the first odds are 0.8 at
+/// most. Those of levels are 7 at most in ten frames of a kitchen, and 20 in 40 with one of 0.6 %.
 /// Doubled, the limit grows by a fifth of a standard deviation.
 pub const CAMERA_ODDS: f64 = 20.0;
 

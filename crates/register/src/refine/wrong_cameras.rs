@@ -21,9 +21,9 @@
 //!
 //! What step 5 is worth: ten frames that follow each other in a kitchen asked for a level of 24 mm
 //! where there are 2. Their sections erred by 21 mm (median), by 7.9 mm at the given poses, and by
-//! 4.7 mm after step 5. Held at zero, levels of 4 to 22 mm in other cameras would be lost. For three
-//! of four cameras ten frames give better sections than before, and 40 frames the same ones to
-//! 0.3 mm.
+//! 4.7 mm after step 5. Held at zero, levels of 4 to 22 mm in other cameras would be lost. Ten
+//! frames of three of four cameras give better sections than before, and 40 frames of all four the
+//! same ones to 0.3 mm.
 
 use super::Rounds;
 use super::camera::{Freed, Odds};
@@ -114,7 +114,7 @@ impl Rounds<'_> {
         odds
     }
 
-    /// Holds the levels of those cameras that are not clearly wrong, and lets the views settle anew.
+    /// Holds the levels of those cameras that are not clearly wrong. The views settle anew.
     pub(super) fn hold_levels(&mut self) {
         let odds = self.odds(CAMERA_SIGMAS);
         let held: Vec<bool> = odds.iter().map(|odds| !odds.level_is_wrong()).collect();
