@@ -44,8 +44,8 @@ impl OpenScan {
     /// Refines the poses of all views; see [`Settings::prior`](crate::Settings::prior).
     ///
     /// # Errors
-    /// [`WorkflowError`] if a view cannot be loaded or is implausible, if the poses were read by
-    /// another convention than they were written, or if most views contradict each other.
+    /// [`WorkflowError`] if a view cannot be loaded or is implausible. It is also an error if the
+    /// poses were written by another convention, or if most views contradict each other.
     pub fn register(
         &self,
         prior: Option<PriorSettings>,
