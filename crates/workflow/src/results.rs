@@ -308,6 +308,18 @@ mod tests {
     }
 
     #[test]
+    fn a_folder_that_cannot_be_written_is_named_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("file"), "").unwrap();
+        let inside = ResultFolder::new(folder.path().join("file/results"));
+        let text = inside.claim(&[]).unwrap_err().to_string();
+        assert!(text.contains("file/results") && text.contains("cannot make"), "{text}");
+        let results = folder.path().join("results");
+        ResultFolder::new(results.clone()).claim(&[]).unwrap();
+        assert!(!results.exists(), "a claim leaves nothing behind");
+    }
+
+    #[test]
     fn a_refused_action_is_named_with_its_file() {
         let text = crate::with_causes(&find_model(Path::new("no such model")).unwrap_err());
         assert!(text.starts_with("no such model: cannot find the model\n  because: "), "{text}");
