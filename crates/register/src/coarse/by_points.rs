@@ -3,10 +3,11 @@
 //! **Idea.** Where all rays start at one place, the cell is that of the nearest direction. Four
 //! grids of 256 × 512 points are refined in half the time that the guesses below take.
 //!
-//! Rays of other grids may cross. Neighbouring ones have nearly the same direction: the point is moved
-//! along the ray of the nearest patch to the depth of that patch. The nearest patch to the moved
-//! point is the next guess. It no longer changes after a few steps. A facet stands for a cell
-//! without a patch.
+//! Rays of other grids may cross. Neighbouring ones have nearly the same direction: the point is
+//! moved along the ray of the nearest patch to the depth of that patch. The nearest patch to the
+//! moved point is the next guess. It no longer changes after a few steps.
+//!
+//! A facet stands for a cell without a patch.
 
 use rstar::{RTree, primitives::GeomWithData};
 use transect_device::{Point3, Ray, Vector3, median};
