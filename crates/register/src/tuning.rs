@@ -270,7 +270,8 @@ pub const CAMERA_GRID: (usize, usize) = (7, 9);
 /// estimate the same offsets. The odds of a wrong scale or focal length are halved, or doubled.
 pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
-/// Standard deviation of a focal length or level that is to be told, over the stated one. No unit.
+/// Standard deviation of a focal length or level that is to be told, over the stated one. As many
+/// times as large as its other offsets the level of a camera may be. No unit.
 /// Measured: with noise that neighbouring pixels share, positions err by 1.3 to 1.6 times of what
 /// is stated, and the offsets of a camera by 1.5 to 1.7 times. At 1, a half of the red kitchen and
 /// a kitchen with four times the usual noise have false focal lengths, which stop their refinement.

@@ -20,11 +20,14 @@
 //!    far.
 //! 3. The offsets have a prior: `step` holds neighbouring nodes together. It follows from the
 //!    evidence (MacKay, 1992), so the offsets of a sound camera vanish. Their mean, the level, is
-//!    one number, which evidence of that kind fits to itself. So its prior is fixed.
+//!    one number, which evidence of that kind fits to itself. So its prior follows from how far the
+//!    offsets differ from each other.
 //! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, CAMERA_ODDS, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS};
+use crate::tuning::{
+    CAMERA_GRID, CAMERA_ODDS, CAMERA_SIGMAS, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS,
+};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -53,6 +56,8 @@ pub struct Camera {
     /// neighbouring nodes.
     level: f64,
     step: f64,
+    /// Prior standard deviation of the level, over that of the offsets about their level.
+    level_over_others: f64,
     /// Precision of the relative change, and of the errors of the focal lengths.
     scale: f64,
     focal: f64,
@@ -139,7 +144,8 @@ impl Cameras {
         let errors = DVector::zeros(UNKNOWNS);
         let sound = first / EXACT.powi(2);
         let (scale, focal) = (SOUND_SCALE, SOUND_SCALE);
-        let camera = Camera { errors, level: sound, step: sound, scale, focal, first, sound };
+        let (level, step, level_over_others) = (sound, sound, CAMERA_SIGMAS);
+        let camera = Camera { errors, level, step, level_over_others, scale, focal, first, sound };
         Self { of_view, around, list: vec![camera; shared.len()] }
     }
 
@@ -238,13 +244,12 @@ impl Cameras {
         }
     }
 
-    /// Takes the levels of those cameras that are chosen by number for as large as their other
-    /// offsets. `sigmas` is how many times as large as stated their standard deviations are taken:
-    /// as a prior that is as many times narrower.
-    pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool, sigmas: f64) {
+    /// Takes the levels of those cameras that are chosen by number for small beside their other
+    /// offsets: for as large, with standard deviations that are larger than stated.
+    pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool) {
         for (_, camera) in self.list.iter_mut().enumerate().filter(|(k, _)| is_held(*k)) {
-            let others = camera.errors.rows(0, NODES).variance();
-            camera.level = (sigmas * sigmas / others).min(camera.sound);
+            camera.level_over_others = CAMERA_SIGMAS.recip();
+            camera.level = camera.level_beside(&camera.errors);
         }
     }
 
@@ -282,7 +287,7 @@ impl Cameras {
                 (errors.rows(0, NODES).mean(), root.columns(0, NODES).column_mean());
             let [x, y] = FOCAL.map(|part| of_scale(part, sigmas));
             Odds {
-                level: odds(mean, root_of_mean.norm_squared(), camera.first, sigmas),
+                level: odds(mean, root_of_mean.norm_squared(), camera.level, sigmas),
                 scale: of_scale(NODES, 1.0),
                 focal: x.max(y),
             }
@@ -383,6 +388,13 @@ impl Camera {
         // Half an error at least, so that errors that explain nothing vanish step by step.
         let known = (spare * steps).trace().max(0.5 / self.step);
         self.step = (self.step * (known / square).clamp(1e-3, 1e3)).min(self.sound);
+        self.level = self.level_beside(errors);
+    }
+
+    /// The precision of the level beside these errors.
+    fn level_beside(&self, errors: &DVector<f64>) -> f64 {
+        let variance = self.level_over_others.powi(2) * errors.rows(0, NODES).variance();
+        variance.recip().clamp(self.first, self.sound)
     }
 }
 
@@ -419,7 +431,8 @@ mod tests {
     use super::*;
 
     fn camera(errors: DVector<f64>, (scale, focal): (f64, f64)) -> Camera {
-        Camera { errors, level: 1.0, step: 1.0, scale, focal, first: 1.0, sound: 2.0 }
+        let (level, step, level_over_others, first, sound) = (1.0, 1.0, 1.0, 1.0, 2.0);
+        Camera { errors, level, step, level_over_others, scale, focal, first, sound }
     }
 
     #[test]

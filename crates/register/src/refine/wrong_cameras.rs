@@ -121,7 +121,7 @@ impl Rounds<'_> {
         if !held.contains(&true) {
             return;
         }
-        self.cameras.hold_levels(|k| held.get(k) == Some(&true), CAMERA_SIGMAS);
+        self.cameras.hold_levels(|k| held.get(k) == Some(&true));
         for _ in 0..LEVEL_ROUNDS {
             if self.step(PRIOR_ROUNDS, 0.0).is_none_or(|largest| largest <= SETTLED) {
                 return;
