@@ -69,8 +69,11 @@ impl PartialModel {
     }
 }
 
-/// A positive number in decimals, with at least two significant digits.
+/// A number in decimals, with at least two significant digits; 0 is `0`.
 fn two_digits(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
     let decimals = (1.0 - number.log10().floor()).max(0.0) as usize;
     format!("{number:.decimals$}")
 }

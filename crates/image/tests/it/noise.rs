@@ -320,18 +320,18 @@ fn a_stated_noise_is_compared_with_the_estimate() {
         let noisy = wall(&frame, plane, |_, _| sigma);
         let length = estimate_sigma(&noisy);
         for (factor, contradicts) in
-            [(30.0, true), (4.0, true), (2.0, false), (1.0, false), (0.5, false), (0.25, true)]
+            [(30.0, true), (4.0, true), (2.0, false), (0.5, false), (0.25, true), (0.0, true)]
         {
             let found = RangeNoise::contradicting(&stating(&noisy, &frame, factor * length));
             assert_eq!(found.is_some(), contradicts, "{name}, {factor} times");
             assert!(found.is_none_or(|found| (found / length - 1.0).abs() < 0.1), "{name}");
+            let of_pixels = RangeNoise::of_pixels(&stating(&noisy, &frame, factor * length));
+            let more = found.filter(|_| factor < 1.0);
+            assert_eq!(of_pixels.length(), more.unwrap_or(factor * length), "{name}, {factor}");
         }
         assert_eq!(RangeNoise::contradicting(&noisy), None, "{name}: an estimate");
-        assert_eq!(
-            RangeNoise::contradicting(&stating(&noisy, &frame, 0.0)),
-            None,
-            "{name}: stated as 0"
-        );
+        let clean = stating(&wall(&frame, plane, |_, _| 0.0), &frame, 0.0);
+        assert_eq!(RangeNoise::contradicting(&clean), None, "{name}: no noise, as stated");
     }
 }
 
