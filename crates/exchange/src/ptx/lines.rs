@@ -92,6 +92,15 @@ impl Lines {
         Ok(count)
     }
 
+    /// The number of words in the next line; 0 at the end of the file.
+    pub(super) fn words(&mut self) -> Result<usize, ReadError> {
+        self.line.clear();
+        let length = self.reader.read_until(b'\n', &mut self.line);
+        self.went(length)?;
+        let words = self.line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        Ok(words.count())
+    }
+
     /// The first numbers of the next line, which has one of some counts of words. `at` is the scan
     /// that a message names, and `wanted` the content that it expected.
     pub(super) fn numbers<const N: usize>(

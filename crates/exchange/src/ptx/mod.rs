@@ -22,7 +22,7 @@ mod lines;
 use crate::scan::{FramedImage, LoadView};
 use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points, survey};
 use header::Header;
-use lines::Lines;
+use lines::{Lines, Position};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,12 +37,14 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
     let mut notes = Vec::new();
     let unit = points::unit_or_metres(path, options, &mut notes);
     let mut lines = Lines::open(path)?;
-    let (mut views, mut left_out) = (Vec::new(), Vec::new());
+    let (mut views, mut left_out, mut before) = (Vec::new(), Vec::new(), None);
     while lines.skip_blank()? {
         let number = views.len() + left_out.len();
         let (at, line) = (Place::View { number, name: name(number) }, lines.number());
-        let header = Header::read(&mut lines, &at)?;
+        let header = Header::read(&mut lines, &at)
+            .map_err(|error| wrong_counts(path, before).unwrap_or(error))?;
         let start = lines.position();
+        before = Some((line, header.size, start));
         skip_points(&mut lines, &header, line)?;
         if header.size.rows < 2 || header.size.cols < 2 {
             left_out.push(format!("scan {number} (line {line}) has {}", header.size));
@@ -106,6 +108,26 @@ fn skip_points(lines: &mut Lines, header: &Header, line: usize) -> Result<(), Re
     Err(ReadError::damaged(lines.path(), Place::Line(line), problem))
 }
 
+/// The error of a scan, which began at a line, if its counts are not those of its points. What is
+/// read as the next scan begins in the wrong place then.
+fn wrong_counts(path: &Path, before: Option<(usize, ImageSize, Position)>) -> Option<ReadError> {
+    let (line, size, start) = before?;
+    let mut lines = Lines::at(path, start).ok()?;
+    let mut points = 0;
+    while lines.words().ok()? > 1 {
+        points += 1;
+    }
+    if points == size.pixels() {
+        return None;
+    }
+    let problem = format!(
+        "the scan announces {size}, which are {} points, but {points} lines of points follow; \
+         correct this line and the next one, or export the scan again",
+        size.pixels()
+    );
+    Some(ReadError::damaged(path, Place::Line(line), problem))
+}
+
 /// One scan of a file.
 #[derive(Debug)]
 struct PtxView {
@@ -115,7 +137,7 @@ struct PtxView {
     line: usize,
     header: Header,
     /// The first line of its points.
-    start: lines::Position,
+    start: Position,
 }
 
 impl LoadView for PtxView {

@@ -52,6 +52,21 @@ fn scans_follow_each_other_column_by_column() {
 }
 
 #[test]
+fn a_wrong_count_is_named_at_the_scan_that_has_it() {
+    for (counts, points) in [("2\n2", 4), ("3\n3", 9), ("2\n4", 8)] {
+        let text =
+            format!("{}\n{}", wall(IDENTITY, "").replacen("2\n3", counts, 1), wall(IDENTITY, ""));
+        let error = opened(&text).unwrap_err();
+        let wanted = format!("which are {points} points, but 6 lines of points follow");
+        assert!(error.contains("site.ptx, line 1: the scan announces"), "{error}");
+        assert!(error.contains(&wanted), "{error}");
+    }
+    let second = wall(IDENTITY, "").replacen("2\n3", "2\nthree", 1);
+    let error = opened(&format!("{}\n{second}", wall(IDENTITY, ""))).unwrap_err();
+    assert!(error.contains("line 18: view 1 (scan 1): found \"three\""), "{error}");
+}
+
+#[test]
 fn matrices_multiply_rows_and_may_scale() {
     // A quarter turn that turns x into y, and millimetres into metres.
     let matrix = "0 0.001 0 0\n-0.001 0 0 0\n0 0 0.001 0\n600000.125 5000000.25 30 1";
