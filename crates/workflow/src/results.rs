@@ -254,6 +254,11 @@ impl ResultFolder {
             made_of: MadeOf,
         }
         let report = self.report();
+        if !report.exists() {
+            return Err(format!(
+                "no {REPORT} beside the model names its scan; reconstruct writes both into its --out"
+            ));
+        }
         let text = read_text(&report).ok();
         let written = text.and_then(|text| serde_json::from_str::<Written>(&text).ok());
         let written = written

@@ -343,7 +343,7 @@ fn grow_error(
         ) => stopped(store, views, error.into()),
         GrowError::View(error) => error.into(),
         GrowError::Store(error) => stopped(store, views, error.into()),
-        error @ GrowError::OtherSettings(_) => {
+        error @ (GrowError::OtherSettings(_) | GrowError::OtherUnit { .. }) => {
             WorkflowError::unusable(path, "the store cannot grow")(error)
         }
         error => error.into(),

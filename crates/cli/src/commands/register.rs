@@ -87,16 +87,22 @@ fn store(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     tell(&replaced.report);
     replaced.report.poses.iter().for_each(print_poses);
     say("");
+    let poses = replaced.report.poses.iter().flat_map(|report| &report.refinement);
+    let moved = poses.flat_map(|r| &r.poses).filter(|pose| pose.has_moved());
     print(&[
-        Row::plain("views replaced", replaced.views.len()),
+        Row::plain("views moved", moved.count()),
+        Row::plain("views updated", replaced.views.len()),
         Row::plain("planes fused anew", replaced.planes_fused),
     ]);
     Ok(())
 }
 
-/// One line per view.
+/// One line per view; nothing if no pose was refined.
 fn print_poses(report: &PoseReport) {
     let poses: Vec<_> = report.refinement.iter().flat_map(|r| &r.poses).collect();
+    if poses.is_empty() {
+        return;
+    }
     let lengths = |p: &&RefinedPose| {
         let residual = p.residual_before.unwrap_or(0.0);
         p.translation.max(residual)

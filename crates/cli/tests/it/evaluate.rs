@@ -28,6 +28,8 @@ fn a_store_is_counted_as_a_plain_model_is() {
     folder.run("reconstruct scan --quiet --store s.transect --out grown").succeeded();
     let run = folder.run("evaluate s.transect").succeeded();
     assert!(run.stdout.contains("\ncurves "), "{}", run.stdout);
+    let reason = run.told("note:")[0];
+    assert!(reason.contains("no report.json beside the model names its scan"), "{reason}");
 }
 
 #[test]

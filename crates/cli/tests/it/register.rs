@@ -301,7 +301,7 @@ fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
     let folder = perturbed();
     folder.run("reconstruct scan/off.json --store s.transect --out grown --quiet").succeeded();
     let run = folder.run("register s.transect --quiet").succeeded();
-    assert!(run.stdout.contains("views replaced"), "{}", run.stdout);
+    assert!(run.stdout.contains(&format!("\nviews moved{:>13}\n", 4)), "{}", run.stdout);
     folder.run("verify s.transect --fusion").succeeded();
     folder.run("export s.transect --out stored").succeeded();
     folder
@@ -310,7 +310,7 @@ fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
     assert!(folder.bytes("stored/contours.json") == folder.bytes("once/contours.json"));
     // Refined poses are not refined again.
     let again = folder.run("register s.transect --quiet").succeeded();
-    assert!(again.stdout.contains("\nviews replaced         0\n"), "{}", again.stdout);
+    assert!(again.stdout.contains(&format!("\nviews updated{:>11}\n", 0)), "{}", again.stdout);
     let reason = "the store has the refined poses already";
     assert!(again.stderr.contains(reason), "{}", again.stderr);
     // The scan still has the poses that it was added with.

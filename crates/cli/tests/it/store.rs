@@ -175,8 +175,8 @@ fn what_is_refused_says_why_and_changes_nothing() {
         ],
     );
     folder.edit_json("scan/scan.json", "scan/mm.json", |m| m["unit"] = "mm".into());
-    grow(&folder, "scan/mm.json")
-        .failed_with(1, &["s.transect", "unit: the store has m, this run mm"]);
+    let units = ["s.transect", "the store is in m and the scan in mm", "make another store"];
+    grow(&folder, "scan/mm.json").failed_with(1, &units);
     folder
         .edit_json("scan/scan.json", "scan/moved.json", |m| m["views"][1]["pose"][3] = 9.0.into());
     grow(&folder, "scan/moved.json").failed_with(1, &["range_001.npy", "another pose"]);

@@ -67,9 +67,21 @@ impl<R: BufRead> Lines<R> {
         if size.map_err(|e| self.problem(e))? == 0 {
             return Err(self.problem("the end is missing"));
         }
+        self.drop_what_editors_add();
         // The text is one line, which has a number of its own.
         let in_line = |e: serde_json::Error| e.to_string().replace(" at line 1 ", " at ");
         serde_json::from_slice(&self.text).map_err(|e| self.problem(in_line(e)))
+    }
+
+    /// Some editors put a byte order mark before the first line, and a carriage return after each.
+    fn drop_what_editors_add(&mut self) {
+        if self.number == 1 && self.text.starts_with("\u{feff}".as_bytes()) {
+            self.text.drain(.."\u{feff}".len());
+        }
+        if self.text.ends_with(b"\r\n") {
+            self.text.truncate(self.text.len() - 2);
+            self.text.push(b'\n');
+        }
     }
 
     fn problem(&self, problem: impl std::fmt::Display) -> StoreProblem {

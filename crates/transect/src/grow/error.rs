@@ -1,6 +1,7 @@
 //! Why a store cannot grow.
 
 use crate::{OptionError, ReconstructError, SettingsError};
+use transect_geometry::LengthUnit;
 use transect_model::store::StoreError;
 
 /// Why a store could not grow.
@@ -16,7 +17,19 @@ pub enum GrowError {
     /// The settings in the store cannot be read.
     #[error("the store cannot grow")]
     Settings(#[from] SettingsError),
-    /// The store was made with another unit, other planes or other options.
+    /// The store has another length unit than the scan.
+    #[error(
+        "the store is in {there} and the scan in {here}: a length in one would be taken for the \
+         same number in the other. If the scan's lengths are in {there}, state that as its unit; \
+         else make another store"
+    )]
+    OtherUnit {
+        /// The store's unit.
+        there: LengthUnit,
+        /// The scan's unit.
+        here: LengthUnit,
+    },
+    /// The store was made with other planes or other options.
     #[error(
         "the store was made with other settings, which cannot change: {0}. Leave these options out, \
          or make another store"
@@ -24,8 +37,8 @@ pub enum GrowError {
     OtherSettings(String),
     /// The store has another view with the same id.
     #[error(
-        "view {id}: the store has a view of that name with {what}; replace that view, or give \
-         this one another name"
+        "view {id}: the store has a view of that name with {what}; replace that view, leave this \
+         one out (--views), or give it another name"
     )]
     OtherView {
         /// Its id.

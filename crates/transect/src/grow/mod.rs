@@ -156,6 +156,7 @@ impl<'a> Grower<'a> {
     /// * [`GrowError::Poses`] if it asks to refine poses;
     /// * [`GrowError::Option`] if an option is outside its range;
     /// * [`GrowError::Settings`] if the settings of the store cannot be read;
+    /// * [`GrowError::OtherUnit`] if the store has another length unit;
     /// * [`GrowError::OtherSettings`] with the settings that differ.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
@@ -165,7 +166,12 @@ impl<'a> Grower<'a> {
             return Err(GrowError::Poses);
         }
         setup.check_options()?;
-        match setup.difference(store.read()?.header())? {
+        let read = store.read()?;
+        let header = read.header();
+        if header.unit != setup.unit {
+            return Err(GrowError::OtherUnit { there: header.unit, here: setup.unit });
+        }
+        match setup.difference(header)? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
             None => Ok(Self { store, setup }),
         }

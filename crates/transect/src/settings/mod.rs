@@ -120,7 +120,7 @@ impl Setup {
         Ok(Self { partial, fusion, free_space, ..Self::new(header.unit, header.planes.clone()) })
     }
 
-    /// How the settings of a store differ from these; `None` if they are the same.
+    /// How the settings of a store in the same unit differ from these; `None` if they do not.
     ///
     /// # Errors
     /// [`SettingsError`] if a program with other options made the store.
@@ -131,16 +131,15 @@ impl Setup {
         };
         let planes = [&header.planes, &self.planes];
         let [there, here] = planes.map(|planes| planes.guide());
-        let [a, b] = [header.unit, self.unit];
+        let unit = self.unit;
         let along = (there != here).then(|| {
             let other_points = || "guide: its points differ from the store's guide".to_owned();
-            of("guide", [&along(there, a), &along(here, b)]).unwrap_or_else(other_points)
+            of("guide", [&along(there, unit), &along(here, unit)]).unwrap_or_else(other_points)
         });
-        let length = |name, value: [f64; 2]| {
-            of(name, [&format!("{} {a}", value[0]), &format!("{} {b}", value[1])])
+        let length = |name, [there, here]: [f64; 2]| {
+            of(name, [&format!("{there} {unit}"), &format!("{here} {unit}")])
         };
         let mut different: Vec<String> = [
-            of("unit", [&a, &b]),
             along,
             length("offset", planes.map(|planes| planes.offset())),
             length("interval", planes.map(|planes| planes.interval())),

@@ -101,6 +101,13 @@ fn the_lines_are_the_documented_ones() {
     assert_eq!(lines.len(), 6);
 }
 
+#[test]
+fn lines_are_read_as_some_editors_write_them() {
+    let text = sample();
+    let edited = format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    assert_eq!(import(&edited).unwrap(), text);
+}
+
 fn refusal(text: &str) -> (usize, String) {
     match import(text).unwrap_err() {
         StoreProblem::Import { line, problem } => (line, problem),
