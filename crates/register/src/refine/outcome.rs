@@ -26,7 +26,8 @@ pub enum PoseOutcome {
     /// It was farther off than the prior explains, and the other views brought it back.
     BroughtBack,
     /// It stays as given: observations that were left out of the estimate do not clearly agree
-    /// better, or no view moves by more than its standard deviation.
+    /// better, no view moves by more than its standard deviation, or the given poses are exact but
+    /// for those of some other views.
     Kept,
     /// It stays as given: no other view sees enough of the same surfaces.
     Alone,
@@ -166,13 +167,15 @@ impl Rounds<'_> {
             self.poses = self.given.clone();
         }
         // Views that err alike carry others with them, of which no observation tells.
-        for k in (0..self.given.len()).filter(|k| alone[*k]) {
+        let stays: Vec<bool> =
+            alone.iter().enumerate().map(|(k, alone)| *alone || self.is_exact(k)).collect();
+        for k in (0..self.given.len()).filter(|k| stays[*k]) {
             self.poses[k] = self.given[k];
         }
         let outcome = |k: usize| match () {
             () if misplaced.contains(&k) => PoseOutcome::Misplaced,
             () if alone[k] => PoseOutcome::Alone,
-            () if keeps => PoseOutcome::Kept,
+            () if keeps || stays[k] => PoseOutcome::Kept,
             () if far_off[k] => PoseOutcome::BroughtBack,
             () => PoseOutcome::Refined,
         };
