@@ -56,7 +56,7 @@ pub const SAMPLING_ROUGH: f64 = 0.03;
 pub const FACET_REACH: f64 = 1.5;
 
 /// Largest noise of a facet's samples, over the distance between their rays. No unit. Theory: its
-/// normal errs by 20 degrees then, and twice as much is [`ALIKE_DEGREES`]. Doubled, noise
+/// normal errs by 20 degrees then, and twice as much is [`ALIKE`]. Doubled, noise
 /// passes for relief.
 pub const FACET_NOISE: f64 = 0.89;
 
@@ -74,10 +74,10 @@ pub const FACETS: usize = 4096;
 /// half as long again, and poses err as much. Doubled, few facets are left between many views.
 pub const FACETS_SHARE: usize = 4;
 
-/// Largest angle between the normals of two patches of one surface, in degrees. Chosen by hand:
-/// less than half a right angle keeps the sides of a corner apart, with room for a turned view.
-/// Doubled, patches around a corner meet.
-pub const ALIKE_DEGREES: f64 = 40.0;
+/// Cosine of the largest angle between the normals of two patches of one surface: of 40 degrees. No
+/// unit. Chosen by hand: less than half a right angle keeps the sides of a corner apart, with room
+/// for a turned view. With the angle doubled, patches around a corner meet.
+pub const ALIKE: f64 = 0.766;
 
 /// Standard deviations that a patch may lie off another. No unit. Theory: all but one in 400.
 /// Doubled, other surfaces behind the first ones count.
@@ -96,13 +96,14 @@ pub const QUANTILE_SAMPLES: usize = 256;
 /// the time.
 pub const MOTION_POINTS: usize = 256;
 
-/// Fewest patches of a pair that count. No unit. Theory: a rigid motion has six unknowns, and a
-/// median of fewer than a dozen means little. Doubled, small overlaps are lost.
+/// Fewest patches by which two views meet. No unit. Theory: a rigid motion has six unknowns, and a
+/// median of twelve is off by less than half. Doubled, small overlaps are lost, and views of a
+/// chain have no pairs left.
 pub const LEAST_MEETINGS: usize = 12;
 
-/// Other views that a view is compared with at most, those with the largest overlap. No unit. As
-/// for judging: time and memory then grow with the number of views, not with its square. Doubled,
-/// 200 views take up to twice the memory.
+/// Other views that a view is compared with at most, those with the largest overlap. No unit.
+/// Chosen by hand: time and memory then grow with the number of views, not with its square.
+/// Doubled, 200 views take up to twice the memory.
 pub const PARTNERS: usize = 60;
 
 /// Samples that are looked up for each pair at least, however many pairs there are. No unit. Chosen
@@ -208,11 +209,13 @@ pub const SETTLING_ALONE: usize = 12;
 /// least as fast. Doubled, the tolerance would grow.
 pub const NARROWING: f64 = 0.7;
 
-/// Share of the first guess below which poses are taken for exact. No unit. Chosen by hand: a
-/// thousandth of three degrees moves a point 5 m away by 0.3 mm. Doubled, smaller errors stay.
+/// Share of what may be wrong at first, below which poses and cameras are taken for exact. No unit.
+/// Chosen by hand: a thousandth of three degrees moves a point 5 m away by 0.3 mm. Doubled, smaller
+/// errors stay.
 pub const EXACT: f64 = 1e-3;
 
 /// Most views that are left out as misplaced. No unit. Chosen by hand: each costs a refinement.
+/// Doubled, scans with many wrong views take up to twice the time.
 pub const MOST_MISPLACED: usize = 4;
 
 /// Residual of a misplaced view over the median of all views. No unit. Chosen by hand: views of

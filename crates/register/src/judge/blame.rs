@@ -11,9 +11,8 @@
 //!    Of two sets of blamed views that make peace, the smaller one counts if the larger one leaves
 //!    views that do not meet.
 
-use super::tuning::{
-    BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_COMPARED, LEAST_USUAL, STANDS_OUT,
-};
+use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_USUAL, STANDS_OUT};
+use crate::tuning::LEAST_MEETINGS;
 
 /// How many patches of some views agree and contradict.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -76,7 +75,7 @@ impl Table {
     pub fn only_opponent(&self, view: usize, blamed: &[usize]) -> Option<usize> {
         let met = |view: usize| {
             let right = (0..self.views).filter(move |k| *k != view && !blamed.contains(k));
-            right.filter(move |k| self.pair(view, *k).all() >= LEAST_COMPARED)
+            right.filter(move |k| self.pair(view, *k).all() >= LEAST_MEETINGS)
         };
         let mut opponents = met(view);
         let opponent = opponents.next().filter(|_| opponents.next().is_none())?;
@@ -93,7 +92,7 @@ impl Table {
     pub fn shares(&self, blamed: &[usize]) -> impl Iterator<Item = f64> {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
         let counts = right.map(|k| self.with_right(k, blamed));
-        counts.filter(|c| c.all() >= LEAST_COMPARED).map(Counts::bad_share)
+        counts.filter(|c| c.all() >= LEAST_MEETINGS).map(Counts::bad_share)
     }
 
     /// The views whose being wrong explains the contradictions: at most half of all.
@@ -127,7 +126,7 @@ impl Table {
     /// Whether any two of the views that are not blamed meet.
     fn others_meet(&self, blamed: &[usize]) -> bool {
         let mut right = (0..self.views).filter(|k| !blamed.contains(k));
-        right.any(|k| self.with_right(k, blamed).all() >= LEAST_COMPARED)
+        right.any(|k| self.with_right(k, blamed).all() >= LEAST_MEETINGS)
     }
 
     fn makes_peace(&self, blamed: &[usize]) -> bool {

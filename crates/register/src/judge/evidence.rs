@@ -3,10 +3,10 @@
 use super::blame::{Counts, Table};
 use super::pair::{Placed, Placing, Probe, Sample, probes, samples};
 use super::tuning::{
-    COMPARED_PATCHES, CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_COMPARED, MOST_COMPARED_VIEWS,
-    NOISE_FACTOR, REACH, USUAL_PAIR,
+    COMPARED_PATCHES, CONTRADICTION, HARMLESS, LARGEST_USUAL, NOISE_FACTOR, REACH, USUAL_PAIR,
 };
 use crate::coarse::CoarseView;
+use crate::tuning::{LEAST_MEETINGS, PARTNERS};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use transect_device::{Isometry3, Vector3, median, quantile};
@@ -97,7 +97,7 @@ impl<'a> Evidence<'a> {
         let of_pair = |a: usize, b: usize| {
             let both = self.between(a, b).iter().chain(self.between(b, a));
             let met: Vec<f64> = both.filter(|s| s.met).map(|s| s.distance.abs()).collect();
-            (met.len() >= LEAST_COMPARED).then(|| median(met)).flatten()
+            (met.len() >= LEAST_MEETINGS).then(|| median(met)).flatten()
         };
         let of_view = |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)), USUAL_PAIR);
         let usual = median((0..n).filter_map(of_view)).unwrap_or(0.0);
@@ -118,7 +118,7 @@ fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>>
         let far = |b: &usize| (middles[a] - middles[*b]).norm();
         let mut others: Vec<usize> = (0..middles.len()).filter(|b| *b != a).collect();
         others.sort_by(|x, y| far(x).total_cmp(&far(y)).then(x.cmp(y)));
-        others.into_iter().take(MOST_COMPARED_VIEWS).collect()
+        others.into_iter().take(PARTNERS).collect()
     };
     (0..middles.len()).map(of_view).collect()
 }
@@ -173,8 +173,8 @@ mod tests {
             whole: true,
         };
         let found = partners(&placings, &vec![vec![probe]; 200]);
-        assert!(found.iter().all(|partners| partners.len() == MOST_COMPARED_VIEWS));
-        assert_eq!(found[0], (1..=MOST_COMPARED_VIEWS).collect());
+        assert!(found.iter().all(|partners| partners.len() == PARTNERS));
+        assert_eq!(found[0], (1..=PARTNERS).collect());
         let few = partners(&placings[..4], &vec![vec![probe]; 4]);
         assert_eq!(few[2], BTreeSet::from([0, 1, 3]));
     }

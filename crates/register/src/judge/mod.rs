@@ -24,6 +24,7 @@ mod search;
 mod tuning;
 
 use crate::coarse::CoarseView;
+use crate::tuning::LEAST_MEETINGS;
 use blame::Table;
 use evidence::Evidence;
 use motion::{Change, Changed, best};
@@ -32,7 +33,7 @@ use region::{Regions, regions};
 pub(crate) use search::{Places, root_of_far, squares_apart};
 use std::cmp::Reverse;
 use transect_device::{Isometry3, median};
-use tuning::{BAD_IF_RIGHT, BAD_IF_WRONG, LEAST_COMPARED, MENDED, REGION_SHARE};
+use tuning::{BAD_IF_RIGHT, BAD_IF_WRONG, MENDED, REGION_SHARE};
 
 /// The findings about the poses of a scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -314,7 +315,7 @@ fn of_blamed(
     let name = |k: &usize| evidence.views[*k].name().to_owned();
     let agree = |view: usize, other: usize| {
         let counts = table.pair(view, other);
-        counts.all() >= LEAST_COMPARED && counts.bad_share() < table.least_share(blamed)
+        counts.all() >= LEAST_MEETINGS && counts.bad_share() < table.least_share(blamed)
     };
     let mut groups = vec![right.to_vec()];
     groups.extend(agreeing(blamed, agree));
@@ -361,7 +362,7 @@ fn of_view(
     let name = evidence.views[view].name().to_owned();
     let contradicting = table.with_right(view, blamed).bad_share();
     let mends = |c: &Changed| {
-        c.counts.all() >= LEAST_COMPARED && c.counts.bad_share() < (1.0 - MENDED) * contradicting
+        c.counts.all() >= LEAST_MEETINGS && c.counts.bad_share() < (1.0 - MENDED) * contradicting
     };
     let moved = Some(best(evidence, view, right, Change::Motion)).filter(mends);
     // One factor explains all, or it is not the reason.
@@ -395,7 +396,7 @@ fn all_contradict(evidence: &Evidence<'_>, table: &Table, blamed: &[usize]) -> O
 /// Views that no other view meets, where the others meet each other.
 fn apart(evidence: &Evidence<'_>, table: &Table, blamed: &[usize]) -> Vec<Finding> {
     let n = evidence.views.len();
-    let few = |k: &usize| table.with_right(*k, &[]).all() < LEAST_COMPARED;
+    let few = |k: &usize| table.with_right(*k, &[]).all() < LEAST_MEETINGS;
     let lonely: Vec<usize> = (0..n).filter(|k| !blamed.contains(k)).filter(few).collect();
     // A view that overlaps a wrong view alone meets no other view, either.
     if 2 * lonely.len() >= n || !blamed.is_empty() {

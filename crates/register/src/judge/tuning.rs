@@ -4,17 +4,9 @@
 /// then known to 3 %. Doubled, judging takes twice the time.
 pub const COMPARED_PATCHES: usize = 240;
 
-/// Other views that a view is compared with at most. No unit. Chosen by hand: the time then grows
-/// with the number of views, not with its square. Doubled, 200 views take twice the memory.
-pub const MOST_COMPARED_VIEWS: usize = 60;
-
 /// Distance within which two patches are compared, over their radius. No unit. Chosen by hand: the
 /// next parallel surface is usually farther away. Doubled, a shelf is compared with the floor.
 pub const REACH: f64 = 1.0;
-
-/// Fewest patches that tell how far two views differ, or that two views meet. No unit. Chosen by
-/// hand: a median of twelve is off by less than half. Doubled, views of a chain have no pairs left.
-pub const LEAST_COMPARED: usize = 12;
 
 /// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal groups of
 /// two views or more, at least this share of pairs is within a group. Doubled, the worst pairs are

@@ -108,9 +108,8 @@ fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefine
     let mut rounds = loop {
         let mut rounds = Rounds::new(&scene, given.clone(), options, &misplaced);
         rounds.run();
-        let far_off = || rounds.farthest_off().filter(|_| may_move);
-        let contradicts = || rounds.contradicting_view(&misplaced).filter(|_| may_move);
-        match rounds.worst_view().or_else(far_off).or_else(contradicts) {
+        let wrong = || rounds.farthest_off().or_else(|| rounds.contradicting_view(&misplaced));
+        match rounds.worst_view().or_else(|| may_move.then(wrong).flatten()) {
             Some(view) if misplaced.len() < MOST_MISPLACED => misplaced.push(view),
             _ => break rounds,
         }

@@ -253,9 +253,9 @@ pub fn variances(root: &DMatrix<f64>, views: usize) -> Vec<Motion> {
     (0..views).map(|k| Motion::from_fn(|c, _| variance(6 * k + c))).collect()
 }
 
-/// Root of the information, in that of the errors of normals, below which observations take less
-/// off what they say about cameras. Theory: rounding errors grow with its inverse, and without it
-/// the system of two views has no solution. Doubled, cameras seem to be known a little better.
+/// Least root of what a pair tells about a direction, over what errors of normals seem to tell, by
+/// which is divided. No unit. Theory: rounding errors grow with its inverse, and without a limit the
+/// system of two views has no solution. Doubled, cameras seem to be known a little better.
 const NOTHING: f64 = 0.1;
 
 /// Variance of normals below which they count as exact, in rad²; 0.2°. Chosen by hand: they seem to

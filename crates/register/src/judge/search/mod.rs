@@ -39,7 +39,7 @@ use super::blame::Table;
 use super::evidence::Evidence;
 use super::motion::{Changed, moved_from, moved_to};
 use super::pair::Placing;
-use super::tuning::LEAST_COMPARED;
+use crate::tuning::LEAST_MEETINGS;
 use pairs::{PairTable, Shape};
 use points::{Oriented, of_view, spacing, thinned};
 use rayon::prelude::*;
@@ -114,7 +114,7 @@ pub(super) fn places(
     let at = |pose: &Isometry3| moved_to(evidence, view, pose, &right);
     let agreement = |c: &Changed| c.counts.good as f64 * table.likelihood(c.counts, blamed);
     let mut tried: Vec<Changed> = starts.par_iter().map(moved).collect();
-    tried.retain(|c| c.counts.all() >= LEAST_COMPARED);
+    tried.retain(|c| c.counts.all() >= LEAST_MEETINGS);
     let steps = Steps::of(&wanted.own, spacing);
     let slid = |start: &Changed| steps.slid(*start, at, moved, agreement);
     let slid = wanted.best(tried, agreement).par_iter().map(slid).collect();
