@@ -39,7 +39,7 @@ use super::patch::{axes, largest_rough};
 use super::sampled::Sampling;
 use crate::scrambled::scrambled;
 use crate::tuning::{
-    ALIKE, FACET_NOISE, FACET_REACH, LEAST_IN_FACET, MAX_INCIDENCE_DEGREES, SAMPLING_ROUGH,
+    ALIKE_DEGREES, FACET_NOISE, FACET_REACH, LEAST_IN_FACET, MAX_INCIDENCE_DEGREES, SAMPLING_ROUGH,
 };
 use nalgebra::{Matrix3, Vector2};
 use std::collections::BTreeMap;
@@ -158,7 +158,7 @@ impl Facets {
     ) -> Option<FacetMeeting> {
         let k = self.nearest(cell, in_sensor)?;
         let nearest = self.facets.get(k)?;
-        if nearest.normal().dot(normal) < ALIKE {
+        if nearest.normal().dot(normal) < ALIKE_DEGREES.to_radians().cos() {
             return None;
         }
         let normal = (nearest.normal() + normal).normalize();

@@ -1,8 +1,13 @@
 //! The evidence of one view about the patches of another view.
 
 use crate::coarse::{CoarseView, Sighting};
-use crate::tuning::{ALIKE, MAX_INCIDENCE_DEGREES};
+use crate::tuning::MAX_INCIDENCE_DEGREES;
 use transect_device::{Isometry3, Point3, Vector3};
+
+/// Cosine of the largest angle between the normals of two patches of one surface. No unit. Chosen
+/// by hand: 37 degrees, which bent surfaces turn within a patch. At half of it, patches on two
+/// sides of a corner are compared.
+pub(super) const ALIKE: f64 = 0.8;
 
 /// Where a view is taken to be: its pose, and a factor on its lengths.
 #[derive(Debug, Clone, Copy)]

@@ -20,13 +20,14 @@
 //!    far.
 //! 3. The offsets have a prior: `step` holds neighbouring nodes together. It follows from the
 //!    evidence (MacKay, 1992), so the offsets of a sound camera vanish. Their mean, the level, is
-//!    one number, which evidence of that kind fits to itself. So its prior follows from how far the
-//!    offsets differ from each other.
+//!    one number, which evidence of that kind fits to itself. So its prior is fixed, and vanishes
+//!    with the other offsets alone.
 //! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
 use crate::CoarseView;
 use crate::tuning::{
-    CAMERA_GRID, CAMERA_ODDS, CAMERA_SIGMAS, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS,
+    CAMERA_GRID, CAMERA_ODDS, CAMERA_SIGMAS, EXACT, FIRST_CAMERA_ERROR, LEVEL_OVER_OTHERS,
+    SCALE_ODDS,
 };
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
@@ -144,7 +145,7 @@ impl Cameras {
         let errors = DVector::zeros(UNKNOWNS);
         let sound = first / EXACT.powi(2);
         let (scale, focal) = (SOUND_SCALE, SOUND_SCALE);
-        let (level, step, level_over_others) = (sound, sound, CAMERA_SIGMAS);
+        let (level, step, level_over_others) = (sound, sound, LEVEL_OVER_OTHERS);
         let camera = Camera { errors, level, step, level_over_others, scale, focal, first, sound };
         Self { of_view, around, list: vec![camera; shared.len()] }
     }

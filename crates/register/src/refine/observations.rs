@@ -5,7 +5,7 @@
 use super::camera::Cameras;
 use crate::coarse::{Cell, CoarseView, FacetMeeting, PatchMeeting};
 use crate::scrambled::scrambled;
-use crate::tuning::{ALIKE, FACETS, GATE};
+use crate::tuning::{ALIKE_DEGREES, FACETS, GATE};
 use nalgebra::Vector6;
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -247,7 +247,7 @@ impl Lookup<'_> {
                 let met = self.view.meeting_with(&copy?, *cell, &measured)?;
                 let PatchMeeting { distance, normal, sigma, .. } = met;
                 let turned = (own - normal).norm_squared() / OF_DIFFERENCE;
-                let alike = own.dot(&normal) >= ALIKE;
+                let alike = own.dot(&normal) >= ALIKE_DEGREES.to_radians().cos();
                 alike.then_some(Met { distance, normal, sigma, turned })
             }
             Pieces::Facets => {

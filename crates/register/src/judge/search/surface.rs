@@ -1,7 +1,7 @@
 //! Whether points lie on a surface, found without a search.
 
+use super::super::pair::ALIKE;
 use super::points::Oriented;
-use crate::tuning::ALIKE;
 use std::collections::HashMap;
 
 /// Distance from the surface within which a point lies on it, over the spacing. No unit. Chosen by
