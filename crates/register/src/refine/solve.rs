@@ -254,8 +254,8 @@ pub fn variances(root: &DMatrix<f64>, views: usize) -> Vec<Motion> {
 }
 
 /// Least root of what a pair tells about a direction, over what errors of normals seem to tell, by
-/// which is divided. No unit. Theory: rounding errors grow with its inverse, and without a limit the
-/// system of two views has no solution. Doubled, cameras seem to be known a little better.
+/// which is divided. No unit. Theory: rounding errors grow with its inverse, and without a limit
+/// the system of two views has no solution. Doubled, cameras seem to be known a little better.
 const NOTHING: f64 = 0.1;
 
 /// Variance of normals below which they count as exact, in rad²; 0.2°. Chosen by hand: they seem to
