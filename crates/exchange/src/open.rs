@@ -121,6 +121,23 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
+/// What a path that is no scan is, with the way out, if it is known.
+fn what_it_is(path: &Path) -> Option<String> {
+    if is_file_with(path, "transect") || path.join("model.transect").is_file() {
+        let model = "a model and no scan; pass the scan that it was made of, which the report.json \
+                     beside it names";
+        return Some(model.to_owned());
+    }
+    let is_refused = |(extensions, _): &&(&[&str], _)| {
+        extensions.iter().any(|extension| is_file_with(path, extension))
+    };
+    let refused = REFUSED.iter().find(is_refused).map(|(_, reason)| (*reason).to_owned());
+    refused.or_else(|| stanford::several(path)).or_else(|| {
+        let scan = scan_within(path)?;
+        Some(format!("a folder that holds scans; pass one, such as {scan}"))
+    })
+}
+
 /// The first file of a folder that is a scan by itself; `None` for a file, too.
 fn scan_within(folder: &Path) -> Option<String> {
     let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
@@ -173,21 +190,13 @@ impl Scan {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
             check_listed(path)?;
-            let is_refused = |(extensions, _): &&(&[&str], _)| {
-                extensions.iter().any(|extension| is_file_with(path, extension))
-            };
-            if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
-                return Err(ReadError::unsupported(path, Place::Whole, *reason));
-            }
-            if let Some(problem) = stanford::several(path) {
-                return Err(ReadError::unsupported(path, Place::Whole, problem));
-            }
-            if let Some(scan) = scan_within(path) {
-                let reason = format!("a folder that holds scans; pass one, such as {scan}");
-                return Err(ReadError::unsupported(path, Place::Whole, reason));
-            }
-            let accepted = FORMATS.map(|format| format.name).join("; ");
-            return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
+            return Err(match what_it_is(path) {
+                Some(problem) => ReadError::unsupported(path, Place::Whole, problem),
+                None => {
+                    let accepted = FORMATS.map(|format| format.name).join("; ");
+                    ReadError::NotAScan { path: path.to_owned(), accepted }
+                }
+            });
         };
         if let Some(setting) = options.unused(format.uses) {
             return Err(ReadError::unsupported(path, Place::Whole, without_use(setting, path)));

@@ -287,6 +287,10 @@ fn paths_that_are_no_scan_are_told_what_would_be() {
     std::fs::create_dir(folder.path("pump")).unwrap();
     folder.write("pump/pump.ptx", "");
     refused(&folder, "pump", &["a folder that holds scans; pass one, such as ", "pump.ptx"]);
+    folder.write("pump/model.transect", "");
+    for path in ["pump", "pump/model.transect"] {
+        refused(&folder, path, &["a model and no scan; pass the scan", "report.json"]);
+    }
     for path in ["notes.txt", "bare"] {
         refused(&folder, path, &[path, "not a scan", "scan.json", ".conf"]);
     }
