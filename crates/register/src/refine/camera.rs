@@ -24,11 +24,9 @@
 //!    with the other offsets alone.
 //! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
+use super::odds::{Odds, odds};
 use crate::CoarseView;
-use crate::tuning::{
-    CAMERA_GRID, CAMERA_ODDS, CAMERA_SIGMAS, EXACT, FIRST_CAMERA_ERROR, LEVEL_OVER_OTHERS,
-    SCALE_ODDS,
-};
+use crate::tuning::{CAMERA_GRID, CAMERA_SIGMAS, EXACT, FIRST_CAMERA_ERROR, LEVEL_OVER_OTHERS};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -65,32 +63,6 @@ pub struct Camera {
     /// The precision that offsets have at first, and the one above which they are none.
     first: f64,
     sound: f64,
-}
-
-/// The odds that parts of a camera are wrong; those of parts that are not free mean nothing.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Odds {
-    pub level: f64,
-    pub scale: f64,
-    /// The larger one of `fx` and `fy`.
-    pub focal: f64,
-}
-
-impl Odds {
-    /// Whether the level of the offsets is wrong by these odds.
-    pub fn level_is_wrong(&self) -> bool {
-        self.level > CAMERA_ODDS
-    }
-
-    /// Whether the scale is wrong by these odds.
-    pub fn scale_is_wrong(&self) -> bool {
-        self.scale > SCALE_ODDS
-    }
-
-    /// Whether a focal length is.
-    pub fn focal_is_wrong(&self) -> bool {
-        self.focal > CAMERA_ODDS
-    }
 }
 
 /// Parts of a camera that become unknowns.
@@ -399,17 +371,6 @@ impl Camera {
     }
 }
 
-/// The odds of a free number against zero, from its estimate, the variance of that, and the
-/// precision before the images are seen. The standard deviation that the images alone give is taken
-/// `sigmas` times as large.
-fn odds(estimate: f64, variance: f64, precision: f64, sigmas: f64) -> f64 {
-    let by_images = (1.0 - precision * variance).max(f64::EPSILON);
-    let (seen, before) = (estimate / by_images, precision.recip());
-    let variance = sigmas.powi(2) * variance / by_images;
-    let wrong = variance + before;
-    (variance / wrong).sqrt() * (0.5 * seen * seen * (variance.recip() - wrong.recip())).exp()
-}
-
 /// The matrix of the sum of squared steps between neighbouring nodes.
 fn steps() -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(NODES, NODES);
@@ -448,6 +409,24 @@ mod tests {
             let measured = cameras.measured(&nodes, &cameras.projected(0, &p));
             assert!((measured - p).norm() > 0.01);
             assert!((cameras.corrected(&nodes, &measured) - p).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_level_vanishes_with_the_other_offsets_alone() {
+        let of = |level: f64, others: f64, over_others: f64| {
+            let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+            let errors = DVector::from_fn(UNKNOWNS, |k, _| level + others * sign(k));
+            let bounds = Camera { sound: 1e6, ..camera(errors.clone(), (1.0, 1.0)) };
+            Camera { level_over_others: over_others, ..bounds }.level_beside(&errors)
+        };
+        for level in [0.0, 0.1, 10.0] {
+            assert_eq!(of(level, 0.0, 30.0), 1e6, "no other offset, a level of {level}");
+            assert_eq!(of(level, 1.0, 30.0), 1.0, "as wide as at first");
+            let found = of(level, 0.01, 30.0);
+            assert!((found * 0.09 - 1.0).abs() < 0.01, "30 times 0.01: {found}");
+            let held = of(level, 0.01, 0.5);
+            assert!((held * 2.5e-5 - 1.0).abs() < 0.01, "half of 0.01: {held}");
         }
     }
 

@@ -35,6 +35,7 @@ mod independent;
 mod left_out;
 mod motion;
 mod observations;
+mod odds;
 mod outcome;
 mod pairs;
 mod pivot;

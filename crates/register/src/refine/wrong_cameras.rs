@@ -26,7 +26,8 @@
 //! same ones to 0.3 mm.
 
 use super::Rounds;
-use super::camera::{Freed, Odds};
+use super::camera::Freed;
+use super::odds::Odds;
 use super::pairs::Spread;
 use crate::tuning::{
     CAMERA_SIGMAS, LEVEL_ROUNDS, OBSERVATIONS, PRIOR_ROUNDS, SCALE_RUNS, SCALE_SETTLED, SETTLED,
