@@ -9,7 +9,7 @@ use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;
-use transect_device::{ImageSize, Isometry3, Note, Pixel, Point3, Vector3, View, median};
+use transect_device::{ImageSize, Note, Pixel, Point3, Vector3, View, median};
 use transect_exchange::ScanView;
 use transect_image::estimate_sigma;
 
@@ -45,8 +45,8 @@ pub struct ViewSurvey {
     pub sigma: f64,
     /// Whether the scan states the noise.
     pub sigma_given: bool,
-    /// The pose: world coordinates from sensor coordinates.
-    pub world_from_sensor: Isometry3,
+    /// Where all rays begin, in the world; the place of the pose if they have no common start.
+    pub place: Point3,
     /// The mean direction of the rays with a point, in the world; its length is below 1 if they
     /// spread.
     pub sight: Vector3,
@@ -151,7 +151,7 @@ impl ViewSurvey {
     /// Measures a view.
     pub fn of(view: &View, notes: Vec<Note>) -> Self {
         let pose = view.world_from_sensor();
-        let (sensor, sight) = sight(view);
+        let Sight { sensor, start, direction } = Sight::of(view);
         let coarse: Vec<_> = coarse_samples(view).collect();
         let place = |s: &Sample| {
             let normal = (pose * s.right).cross(&(pose * s.below)).try_normalize(0.0)?;
@@ -168,8 +168,8 @@ impl ViewSurvey {
             spacing: pixel_spacing(view),
             sigma: view.sigma().unwrap_or_else(|| estimate_sigma(view)),
             sigma_given: view.sigma().is_some(),
-            world_from_sensor: *pose,
-            sight: pose * sight,
+            place: pose * start,
+            sight: pose * direction,
             corners,
             overlap: None,
             notes,
@@ -182,24 +182,35 @@ impl ViewSurvey {
     }
 }
 
-/// The kind of a sensor, and the mean direction of its rays, in the sensor frame.
-fn sight(view: &View) -> (SensorClass, Vector3) {
-    let (mut sum, mut count, mut first) = (Vector3::zeros(), 0.0, None);
-    let (mut moves, mut two_paths) = (false, false);
-    for pixel in samples(view).map(|s| s.pixel) {
-        let Some(ray) = view.frame().ray(pixel) else { continue };
-        let start = *first.get_or_insert(ray.start);
-        moves |= ray.start != start;
-        two_paths |= view.frame().second_viewpoint(pixel).is_some();
-        (sum, count) = (sum + ray.direction, count + 1.0);
+/// How a sensor looks, in its own frame.
+struct Sight {
+    sensor: SensorClass,
+    /// The common start of its rays; the origin if they have none.
+    start: Point3,
+    /// Their mean direction.
+    direction: Vector3,
+}
+
+impl Sight {
+    fn of(view: &View) -> Self {
+        let (mut sum, mut count, mut first) = (Vector3::zeros(), 0.0, None);
+        let (mut moves, mut two_paths) = (false, false);
+        for pixel in samples(view).map(|s| s.pixel) {
+            let Some(ray) = view.frame().ray(pixel) else { continue };
+            let start = *first.get_or_insert(ray.start);
+            moves |= ray.start != start;
+            two_paths |= view.frame().second_viewpoint(pixel).is_some();
+            (sum, count) = (sum + ray.direction, count + 1.0);
+        }
+        let direction = if count > 0.0 { sum / count } else { Vector3::zeros() };
+        let sensor = match () {
+            () if moves || two_paths => SensorClass::Triangulation,
+            () if direction.z.abs() > ALONG_AXIS => SensorClass::Camera,
+            () => SensorClass::Turning,
+        };
+        let start = first.filter(|_| !moves).unwrap_or_else(Point3::origin);
+        Self { sensor, start, direction }
     }
-    let mean = if count > 0.0 { sum / count } else { Vector3::zeros() };
-    let kind = match () {
-        () if moves || two_paths => SensorClass::Triangulation,
-        () if mean.z.abs() > ALONG_AXIS => SensorClass::Camera,
-        () => SensorClass::Turning,
-    };
-    (kind, mean)
 }
 
 /// The sensor axis that is up in the image: z of a turning scanner, otherwise the axis along which

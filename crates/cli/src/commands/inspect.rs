@@ -101,7 +101,7 @@ fn extent_rows((low, high): (Point3, Point3), unit: LengthUnit) -> [Row; 3] {
 /// One line per view.
 fn print_views(views: &[(usize, ViewSurvey)], unit: LengthUnit) {
     let farthest = views.iter().map(|(_, view)| view.range[2]).fold(0.0, f64::max);
-    let origins = views.iter().map(|(_, v)| v.world_from_sensor.translation.vector.amax());
+    let origins = views.iter().map(|(_, v)| v.place.coords.amax());
     let (ranges, places) =
         (Lengths::new(unit, farthest), Lengths::new(unit, origins.fold(0.0, f64::max)));
     let heads = [
@@ -121,7 +121,6 @@ fn print_views(views: &[(usize, ViewSurvey)], unit: LengthUnit) {
         let missing = 100.0 * (1.0 - view.valid as f64 / view.size.pixels() as f64);
         let spacing = view.spacing.map(|both| both.map(|one| length(one, unit)).join(" × "));
         let how = if view.sigma_given { "stated" } else { "estimated" };
-        let [x, y, z] = (view.world_from_sensor.translation.vector).into();
         let sight = <[f64; 3]>::from(view.sight).map(|c| format!("{:.2}", c + 0.0));
         vec![
             number.to_string(),
@@ -133,7 +132,7 @@ fn print_views(views: &[(usize, ViewSurvey)], unit: LengthUnit) {
             spacing.unwrap_or_default(),
             format!("{} {how}", length(view.sigma, unit)),
             view.overlap.map_or(String::new(), |share| format!("{:.0}", 100.0 * share)),
-            places.place(&Point3::new(x, y, z)),
+            places.place(&view.place),
             sight.join(", "),
         ]
     };

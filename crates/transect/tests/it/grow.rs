@@ -269,7 +269,7 @@ fn a_store_of_other_settings_says_which() {
     with_store(&setup, |store| {
         let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0137, 0.1);
         let others = [
-            (changed(|s| s.unit = LengthUnit::Millimetre), "unit: the store has m, this run mm"),
+            (changed(|s| s.unit = LengthUnit::Millimetre), "the store is in m and the scan in mm"),
             (
                 changed(|s| s.planes = planes.unwrap()),
                 "interval: the store has 0.08 m, this run 0.1 m",
