@@ -259,20 +259,24 @@ fn advice_on_units_names_the_option_of_files_of_points() {
     folder.reconstruct("millimetres.ptx --unit mm").succeeded();
 }
 
-/// Points of a PTX file may be in the world's frame, with the scanner's place beside them.
+/// Points of a PTX file may be in the world's frame, with the scanner's place beside them. A pillar
+/// in a room shows from where it was seen.
 #[test]
 fn inspection_states_where_rays_begin() {
     let folder = Folder::empty();
     let point = |k: usize| {
-        let (azimuth, height) = (0.02 * (k / 30) as f64, 0.7 - 0.05 * (k % 30) as f64);
-        let [x, y, z] = [azimuth.cos(), azimuth.sin(), height].map(|c| 3.0 * c);
-        format!("{:.4} {:.4} {:.4} .5\n", x + 10.0, y + 20.0, z + 1.5)
+        let (azimuth, height) = (0.07 * (k / 60) as f64, -1.0 + 0.03 * (k % 60) as f64);
+        let [x, y, z] = [azimuth.cos(), azimuth.sin(), height.tan()];
+        let wall = (5.0 / x.abs()).min(4.0 / y.abs()).min(1.5 / z.abs());
+        let range = if x > 0.9 { 0.4 * wall } else { wall };
+        let [x, y, z] = [range * x + 10.0, range * y + 20.0, range * z + 1.5];
+        format!("{x:.5} {y:.5} {z:.5} .5\n")
     };
-    let points: String = (0..50 * 30).map(point).collect();
-    let header = "50\n30\n10 20 1.5\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
-    folder.write("site.ptx", format!("{header}{points}"));
+    let points: String = (0..90 * 60).map(point).collect();
+    let axes = "1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+    folder.write("site.ptx", format!("90\n60\n10 20 1.5\n{axes}{points}"));
     let run = folder.run("inspect site.ptx").succeeded();
-    assert!(run.stdout.contains("| 10.00, 20.00, 1.50 |"), "{}", run.stdout);
+    assert!(run.stdout.contains("| 10.0000, 20.0000, 1.5000 |"), "{}", run.stdout);
 }
 
 /// Parallel rays, as of a scanner that moves along: the grid of a Stanford file.
