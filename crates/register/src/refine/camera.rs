@@ -415,7 +415,7 @@ mod tests {
     #[test]
     fn a_level_vanishes_with_the_other_offsets_alone() {
         let of = |level: f64, others: f64, over_others: f64| {
-            let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = |k: usize| [1.0, -1.0][k % 2];
             let errors = DVector::from_fn(UNKNOWNS, |k, _| level + others * sign(k));
             let bounds = Camera { sound: 1e6, ..camera(errors.clone(), (1.0, 1.0)) };
             Camera { level_over_others: over_others, ..bounds }.level_beside(&errors)
