@@ -273,10 +273,10 @@ pub const CAMERA_GRID: (usize, usize) = (7, 9);
 /// estimate the same offsets. The odds of a wrong scale or focal length are halved, or doubled.
 pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
-/// Standard deviation of the level of a camera's offsets, over that of the others, up to which it
-/// may be while views settle. No unit. Measured: a sound camera's level vanishes with the others;
-/// with 100, six views around a part err by up to a tenth more. With 10, a kitchen whose walls
-/// lengthen depths has a false focal length; with 20 to 50 it has none. Doubled, nothing changes in
+/// Largest standard deviation of the level of a camera's offsets while views settle, over that of
+/// the other offsets. No unit. Measured: a sound camera's level vanishes with the others. With 100,
+/// six views around a part err by up to a tenth more. With 10, a kitchen whose walls lengthen
+/// depths has a false focal length; with 20 to 50 it has none. Doubled, nothing changes in
 /// kitchens.
 pub const LEVEL_OVER_OTHERS: f64 = 30.0;
 

@@ -20,8 +20,8 @@
 //!    far.
 //! 3. The offsets have a prior: `step` holds neighbouring nodes together. It follows from the
 //!    evidence (MacKay, 1992), so the offsets of a sound camera vanish. Their mean, the level, is
-//!    one number, which evidence of that kind fits to itself. So its prior is fixed, and vanishes
-//!    with the other offsets alone.
+//!    one number, which evidence of that kind fits to itself. So its prior does not follow from the
+//!    level. It is that of the first guess, and narrower only where the other offsets vanish.
 //! 4. After the rounds, level, scale and focal lengths are tested: `wrong_cameras.rs`.
 
 use super::odds::{Odds, odds};
@@ -217,8 +217,9 @@ impl Cameras {
         }
     }
 
-    /// Takes the levels of those cameras that are chosen by number for small beside their other
-    /// offsets: for as large, with standard deviations that are larger than stated.
+    /// Narrows the prior of the levels of those cameras that are chosen by number. Levels are then
+    /// as large as the other offsets. The prior is narrower still by [`CAMERA_SIGMAS`], as what
+    /// images tell is less certain than stated by that factor.
     pub fn hold_levels(&mut self, is_held: impl Fn(usize) -> bool) {
         for (_, camera) in self.list.iter_mut().enumerate().filter(|(k, _)| is_held(*k)) {
             camera.level_over_others = CAMERA_SIGMAS.recip();

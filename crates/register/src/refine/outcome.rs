@@ -25,9 +25,9 @@ pub enum PoseOutcome {
     Refined,
     /// It was farther off than the prior explains, and the other views brought it back.
     BroughtBack,
-    /// It stays as given: observations that were left out of the estimate do not clearly agree
-    /// better, no view moves by more than its standard deviation, or the given poses are exact but
-    /// for those of some other views.
+    /// It stays as given. Observations that were left out of the estimate do not clearly agree
+    /// better, or no view moves by more than its standard deviation. It also stays if only the
+    /// poses of some other views are wrong.
     Kept,
     /// It stays as given: no other view sees enough of the same surfaces.
     Alone,
