@@ -125,7 +125,7 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
 fn what_it_is(path: &Path) -> Option<String> {
     if is_file_with(path, "transect") || path.join("model.transect").is_file() {
         let model = "a model and no scan; pass the scan that it was made of, which the report.json \
-                     beside it names";
+                     of its run names";
         return Some(model.to_owned());
     }
     let is_refused = |(extensions, _): &&(&[&str], _)| {

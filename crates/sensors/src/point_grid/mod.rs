@@ -14,7 +14,7 @@ mod carried_pinhole;
 mod rotating_scan;
 
 pub use carried_pinhole::CarriedPinhole;
-pub use rotating_scan::{fit_viewpoint, uneven_rays};
+pub use rotating_scan::{fit_viewpoint, step_variation, uneven_rays};
 
 use crate::error::{SensorError, require};
 use std::sync::Arc;

@@ -51,6 +51,21 @@ pub fn uneven_rays(size: ImageSize, points: &[Point3], viewpoint: &Point3) -> f6
     if all == 0 { 0.0 } else { uneven as f64 / all as f64 }
 }
 
+/// How much the steps between neighbouring rays from a viewpoint vary: the median deviation from
+/// the median step, over it; down the columns or along the rows, whichever varies less. A rotating
+/// scanner turns by equal steps, so from its true place that is near 0. Infinite without
+/// neighbours.
+pub fn step_variation(size: ImageSize, points: &[Point3], viewpoint: &Point3) -> f64 {
+    let every = (size.pixels() / COMPARED).max(1);
+    let variation = |step| {
+        let steps = angles(size, points, viewpoint, every, step);
+        let steps = || steps.iter().map(|angle| f64::from(*angle));
+        let usual = median(steps())?;
+        Some(median(steps().map(|step| (step - usual).abs()))? / usual)
+    };
+    [1, size.cols].into_iter().filter_map(variation).fold(f64::INFINITY, f64::min)
+}
+
 /// The chords between the directions of points that are `step` apart, in every so many rows.
 fn angles(
     size: ImageSize,
@@ -196,14 +211,24 @@ mod tests {
     }
 
     #[test]
+    fn rays_turn_by_equal_steps_from_the_viewpoint_alone() {
+        let points = room(&Point3::origin());
+        assert!(step_variation(SIZE, &points, &Point3::origin()) < 1e-5);
+        for other in [Point3::new(0.3, 0.2, 0.0), Point3::new(-300.0, 200.0, 0.0)] {
+            let variation = step_variation(SIZE, &points, &other);
+            assert!(variation > 0.02, "{other}: {variation}");
+        }
+    }
+
+    #[test]
     fn points_on_one_wall_determine_no_viewpoint() {
         let wall = |k: usize| Point3::new(3.0, (k % 90) as f64, (k / 90) as f64);
         let points: Vec<Point3> = (0..SIZE.pixels()).map(wall).collect();
         assert_eq!(fit_viewpoint(SIZE, &points), None);
         let missing = vec![Point3::new(f64::NAN, 0.0, 0.0); SIZE.pixels()];
-        assert_eq!(
-            (fit_viewpoint(SIZE, &missing), uneven_rays(SIZE, &missing, &missing[0])),
-            (None, 0.0)
-        );
+        let any = &Point3::origin();
+        assert_eq!(fit_viewpoint(SIZE, &missing), None);
+        assert_eq!(uneven_rays(SIZE, &missing, any), 0.0);
+        assert_eq!(step_variation(SIZE, &missing, any), f64::INFINITY);
     }
 }
