@@ -28,6 +28,7 @@ pub struct BreakRule {
     tan_incidence: f32,
     slack: f32,
     largest_lateral: f32,
+    joins_grazing: bool,
 }
 
 impl BreakRule {
@@ -40,7 +41,20 @@ impl BreakRule {
         // Beyond a right angle the tangent is negative, and every pair would be broken.
         let angle = max_incidence_rad.clamp(0.0, FRAC_PI_2);
         let (tan_incidence, slack) = (angle.tan() as f32, slack as f32);
-        Self { tan_incidence, slack, largest_lateral: f32::INFINITY }
+        let largest_lateral = f32::INFINITY;
+        Self { tan_incidence, slack, largest_lateral, joins_grazing: false }
+    }
+
+    /// The same rule, which also joins flat surfaces beyond the largest angle:
+    /// [`Grazing`](crate::Grazing). A pair by itself does not tell, so [`Self::holds`] does not
+    /// change.
+    pub fn with_grazing(self) -> Self {
+        Self { joins_grazing: true, ..self }
+    }
+
+    /// Whether flat surfaces beyond the largest angle are joined.
+    pub fn joins_grazing(&self) -> bool {
+        self.joins_grazing
     }
 
     /// The same rule, which also breaks the pairs of a view with a sample off its ray.

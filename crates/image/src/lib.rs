@@ -6,12 +6,14 @@
 //! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
 //! * [`BreakRule`]: whether two neighbouring pixels belong to one surface (dissertation, 3.4.2);
 //!   [`PairTests`] is the same rule for many pairs side by side;
+//! * [`Grazing`]: whether two others do, as both lie on a flat surface seen at a grazing angle;
 //! * [`mod@smooth`]: edge-preserving smoothing;
 //! * [`NoisyView`]: a view with its noise, at the resolution that the noise leaves;
 //! * [`PreparedView`]: the same view with its image smoothed.
 
 mod breaks;
 mod fill;
+mod grazing;
 mod instructions;
 mod noise;
 mod noisy_view;
@@ -21,6 +23,7 @@ pub mod smooth;
 mod tuning;
 
 pub use breaks::BreakRule;
+pub use grazing::Grazing;
 pub use instructions::Instructions;
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use noisy_view::NoisyView;

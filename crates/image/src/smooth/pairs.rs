@@ -1,6 +1,6 @@
 //! Which neighbouring samples belong to one surface, a row of the image at a time, one bit each.
 
-use crate::{BreakRule, PairTests, TestPairs, length_per_value};
+use crate::{BreakRule, Grazing, PairTests, TestPairs, length_per_value};
 use fearless_simd::{Simd, SimdBase};
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, RayProducts, View};
 
@@ -18,6 +18,7 @@ pub(super) struct Pairs<'a> {
     tables: Option<[(RayProducts, PairTests); 2]>,
     /// Of sensors that have none.
     geometry: Geometry,
+    grazing: Option<Grazing<'a>>,
 }
 
 /// The geometry of pairs that follows from the samples' points.
@@ -65,14 +66,20 @@ impl<'a> Pairs<'a> {
                 laterals: NEIGHBOURS.map(|_| vec![f32::NAN; size.pixels()]),
             },
         };
-        Self { view, rule, tables, geometry }
+        Self { view, rule, tables, geometry, grazing: Grazing::of(view, rule) }
     }
 
     /// Which pixels of a row are joined to their left neighbours and which to those above.
     #[inline(always)]
-    pub fn read<S: Simd>(&mut self, simd: S, row: usize, lines: [&Line; 2], bits: [&mut [u64]; 2]) {
+    pub fn read<S: Simd>(
+        &mut self,
+        simd: S,
+        row: usize,
+        lines: [&Line; 2],
+        mut bits: [&mut [u64]; 2],
+    ) {
         let [above, here] = lines.map(|line| &line.0);
-        let [left, up] = bits;
+        let [left, up] = bits.each_mut();
         match &self.tables {
             Some([(_, to_left), (_, upward)]) => {
                 compare(simd, to_left.at(row), [&here[1..], here], left);
@@ -82,6 +89,14 @@ impl<'a> Pairs<'a> {
                 left.fill(0);
                 up.fill(0);
                 self.geometry.read(self.view, self.rule, row, [left, up]);
+            }
+        }
+        let Some(grazing) = &self.grazing else { return };
+        let cols = self.view.image().size().cols;
+        for (neighbour, bits) in NEIGHBOURS.into_iter().zip(bits) {
+            for (word, bits) in bits.iter_mut().enumerate() {
+                let inside = u64::MAX >> (WORD - (cols - word * WORD).min(WORD));
+                *bits |= grazing.joined(neighbour, row, word, !*bits & inside);
             }
         }
     }

@@ -102,7 +102,8 @@ use transect_image::{BreakRule, NoisyView, PreparedView, RangeNoise};
 #[non_exhaustive]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
-    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
+    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot. Flat
+    /// surfaces are kept beyond it: [`transect_image::Grazing`].
     pub max_incidence_rad: f64,
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
@@ -128,6 +129,10 @@ pub struct OnePassOptions {
     /// errors are the observed ones of simulated noise. Real scanners err in other ways, too, and
     /// most where they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,
+    /// Whether flat surfaces beyond the largest angle are joined; off in experiments alone.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub grazing: bool,
     /// Steps of the smoother that are taken; all but in experiments.
     #[doc(hidden)]
     #[serde(skip)]
@@ -144,6 +149,7 @@ impl Default for OnePassOptions {
             gap: 4,
             excursion_sigmas: 4.0,
             least_sigma_factor: 0.25,
+            grazing: true,
             smoothing: SmoothingSteps::default(),
         }
     }
@@ -167,7 +173,8 @@ impl OnePassOptions {
     /// The rule for range jumps in a view with this noise.
     pub fn break_rule(&self, view: &View, noise: &RangeNoise) -> BreakRule {
         let slack = self.jump_sigmas * noise.length();
-        BreakRule::new(self.max_incidence_rad, slack).on_rays_of(view)
+        let rule = BreakRule::new(self.max_incidence_rad, slack).on_rays_of(view);
+        if self.grazing { rule.with_grazing() } else { rule }
     }
 }
 

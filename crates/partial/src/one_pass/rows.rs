@@ -147,14 +147,14 @@ impl Row {
         self.levels[PAD - 1] = self.levels[last];
         self.ceilings[PAD - 1] = self.ceilings[last];
         match &source.tests {
-            None => self.compare(simd, above, None::<[UniformTest<S>; 2]>),
+            None => self.compare(simd, (source, i), above, None::<[UniformTest<S>; 2]>),
             Some([left, up]) => {
                 let (left, up) = (left.at(i), up.at(i));
                 if left.is_uniform() && up.is_uniform() {
                     let tests = [left, up].map(|test| UniformTest::new(simd, &test));
-                    self.compare(simd, above, Some(tests));
+                    self.compare(simd, (source, i), above, Some(tests));
                 } else {
-                    self.compare(simd, above, Some([left, up]));
+                    self.compare(simd, (source, i), above, Some([left, up]));
                 }
             }
         }
@@ -162,7 +162,13 @@ impl Row {
 
     /// Finds the joined and the crossed pairs. Without tests, the joined ones are known already.
     #[inline(always)]
-    fn compare<S: Simd, T: TestPairs<S>>(&mut self, simd: S, above: &Self, tests: Option<[T; 2]>) {
+    fn compare<S: Simd, T: TestPairs<S>>(
+        &mut self,
+        simd: S,
+        (source, i): (&Source<'_>, usize),
+        above: &Self,
+        tests: Option<[T; 2]>,
+    ) {
         let mut valid_before = u64::from(!self.values[PAD - 1].is_nan());
         for word in 0..self.valid.len() {
             let at = PAD + word * WORD;
@@ -200,8 +206,14 @@ impl Row {
             }
             let beside = valid << 1 | valid_before;
             valid_before = valid >> (WORD - 1);
-            let jumps_left = valid & beside & !joined_left;
-            let jumps_up = valid & above.valid[word] & !joined_up;
+            let mut jumps_left = valid & beside & !joined_left;
+            let mut jumps_up = valid & above.valid[word] & !joined_up;
+            if let Some(grazing) = &source.grazing {
+                let left = grazing.joined(Neighbour::Left, i, word, jumps_left);
+                let up = grazing.joined(Neighbour::Up, i, word, jumps_up);
+                (joined_left, joined_up) = (joined_left | left, joined_up | up);
+                (jumps_left, jumps_up) = (jumps_left & !left, jumps_up & !up);
+            }
             self.jumps += (jumps_left.count_ones() + jumps_up.count_ones()) as usize;
             (self.left.joined[word], self.left.crossed[word]) =
                 (joined_left, joined_left & !level_left);

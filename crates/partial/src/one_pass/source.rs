@@ -2,7 +2,7 @@
 
 use crate::SectionAxes;
 use transect_device::{Neighbour, SeparableForm, View};
-use transect_image::{BreakRule, PairTests, padded};
+use transect_image::{BreakRule, Grazing, PairTests, padded};
 
 /// A view, a plane family and a rule, ready to be read row by row.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub(super) struct Source<'a> {
     pub level: Option<SeparableForm>,
     /// Left and up.
     pub tests: Option<[PairTests; 2]>,
+    pub grazing: Option<Grazing<'a>>,
 }
 
 impl<'a> Source<'a> {
@@ -33,7 +34,8 @@ impl<'a> Source<'a> {
         };
         let tests = || Some([test(Neighbour::Left)?, test(Neighbour::Up)?]);
         let (tests, wraps) = (tests(), frame.columns_wrap());
-        Self { view, axes, rule, cols: size.cols, rows: size.rows, wraps, level, tests }
+        let (cols, rows, grazing) = (size.cols, size.rows, Grazing::of(view, rule));
+        Self { view, axes, rule, cols, rows, wraps, level, tests, grazing }
     }
 
     /// Columns that rows have room for: whole words of masks.

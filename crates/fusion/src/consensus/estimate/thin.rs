@@ -82,10 +82,13 @@ impl<'a> Choice<'a> {
         let line = self.line(group);
         let normal = left_of(&group.tangent);
         let across = ABSORB_SHARE * self.scale.across(group.sigma);
+        let beside = self.near.iter().map(|j| self.groups.all[*j as usize].footprint);
+        let finest = beside.fold(group.footprint, f64::min);
+        let footprint = group.footprint.min(FINEST_FOOTPRINTS * finest);
         let window = Window {
             centre: group.position + normal * line.place,
             tangent: (group.tangent + normal * line.slope).normalize(),
-            reach: ABSORB_FOOTPRINTS * group.footprint,
+            reach: ABSORB_FOOTPRINTS * footprint,
             across,
             same_way: self.scale.same_way,
         };

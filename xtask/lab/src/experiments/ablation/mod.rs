@@ -73,13 +73,14 @@ fn measure(set: &str, raw: &Raw, arguments: &Arguments, worth: &mut Worth) -> Re
 }
 
 /// The default way to find curves without smoothing, and without each step of it.
-fn methods_left_out() -> [(&'static str, Method); 8] {
+fn methods_left_out() -> [(&'static str, Method); 9] {
     let without = |leave_out: fn(&mut OnePassOptions)| {
         let mut options = OnePassOptions::default();
         leave_out(&mut options);
         Method::OnePass(options)
     };
     [
+        ("grazing", without(|o| o.grazing = false)),
         ("smoothing", without(|o| o.smooth = false)),
         ("smoothing: shared_noise", without(|o| o.smoothing.shared_noise = false)),
         ("smoothing: half_resolution", without(|o| o.smoothing.half_resolution = false)),
