@@ -189,13 +189,14 @@ fn footprint(
     let reach = COUNTED_NODES.min((n - 1) / 2);
     let at = |steps: i64| {
         let place = k as i64 + steps;
-        let place = if closed { place.rem_euclid(n as i64) } else { place.clamp(0, n as i64 - 1) };
-        &crossings[place as usize]
+        &crossings[place.rem_euclid(n as i64) as usize]
     };
-    let reach = reach as i64;
-    let rows = (-reach..reach).filter(|s| at(*s).neighbour == Neighbour::Up).count();
-    let pixels = rows.max(2 * reach as usize - rows);
-    let chords = [(-reach, 0), (0, reach)].map(|(a, b)| (at(b).position - at(a).position).norm());
+    let (before, behind) =
+        if closed { (reach, reach) } else { (reach.min(k), reach.min(n - 1 - k)) };
+    let (from, to) = (-(before as i64), behind as i64);
+    let rows = (from..to).filter(|s| at(*s).neighbour == Neighbour::Up).count();
+    let pixels = rows.max(before + behind - rows);
+    let chords = [(from, 0), (0, to)].map(|(a, b)| (at(b).position - at(a).position).norm());
     let tangent = normal.and_then(|normal| Vector2::new(-normal.y, normal.x).try_normalize(0.0));
     let tangent = tangent.unwrap_or_else(Vector2::x);
     let across_ray = normal.map_or(1.0, |normal| ray_sine(normal, ray));

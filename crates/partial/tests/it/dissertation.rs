@@ -447,3 +447,35 @@ fn a_ring_cut_at_the_seam_is_closed_again_and_marked() {
         }
     }
 }
+
+#[test]
+fn footprints_at_open_ends_are_those_of_one_pass() {
+    let size = ImageSize { rows: 400, cols: 120 };
+    let scan =
+        |step: f64, count: usize| AngularScan::from_radians(-0.5 * step * (count - 1) as f64, step);
+    let radar = ImagingRadar::new(size, scan(0.016, size.cols), scan(0.004, size.rows)).unwrap();
+    let radar = Arc::new(radar);
+    let pose = crate::common::pose_towards_origin(radar.as_ref(), 0.3, 0.1, 0.0);
+    let ball = crate::common::Ball { centre: Point3::origin(), radius: 2.0 };
+    let view = crate::common::look(radar, pose, &[ball], &[]).unwrap();
+    let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.11, 0.4).unwrap();
+    let printed = partial_model(&view, &planes, &DissertationOptions::default()).unwrap();
+    let model = one_pass::partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
+    let mut compared = 0;
+    for plane in &printed.planes {
+        let others = model.planes.iter().filter(|p| p.plane == plane.plane);
+        let others: Vec<&Node> =
+            others.flat_map(|p| &p.curves).flat_map(|c| c.curve.nodes()).collect();
+        let open = plane.curves.iter().map(|c| &c.curve).filter(|c| !c.is_closed());
+        for node in open.flat_map(|c| c.nodes().iter().take(4)) {
+            let away = |n: &&&Node| (n.position - node.position).norm();
+            let Some(same) = others.iter().min_by(|a, b| away(a).total_cmp(&away(b))) else {
+                continue;
+            };
+            let ratio = f64::from(node.footprint) / f64::from(same.footprint);
+            assert!((0.7..1.5).contains(&ratio), "{:?}: {ratio}", node.position);
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "{compared}");
+}
