@@ -41,8 +41,10 @@ impl Fused {
         setup: &Setup,
     ) -> Self {
         let mut plane = fuse_plane(views, &setup.fusion);
-        let has_curves = views.iter().zip(facts).filter(|(curves, _)| !curves.is_empty());
-        let facts: Vec<Option<&ViewFacts>> = has_curves.map(|(_, facts)| *facts).collect();
+        // A view that comes twice measured nothing new, so it has one vote, as in fusion.
+        let counts = |k: &usize| !views[*k].is_empty() && !views[..*k].contains(&views[*k]);
+        let places = (0..views.len()).filter(counts);
+        let facts: Vec<Option<&ViewFacts>> = places.filter_map(|k| facts.get(k).copied()).collect();
         let witnesses: Vec<&Witness> =
             facts.iter().flatten().filter_map(|facts| facts.witness.as_ref()).collect();
         let frame = setup.planes.frame(index);

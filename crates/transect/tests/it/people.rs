@@ -79,6 +79,22 @@ fn people_whom_other_views_looked_through_are_left_out() {
 }
 
 #[test]
+fn a_view_that_comes_twice_looks_through_once() {
+    let room = room();
+    // Of the person before the first station there is one view, and one that looked through.
+    let mut views = views(&room);
+    views.truncate(2);
+    let setup = Setup::new(room.unit, room.planes.clone());
+    let seen_through = |views: &[View]| {
+        let run = reconstruct(views, &setup, &Unwatched).unwrap();
+        (run.report.fusion.seen_through, contours(&run.model))
+    };
+    let once = seen_through(&views);
+    views.push(views[1].clone());
+    assert!(seen_through(&views) == once, "the same nodes are left out");
+}
+
+#[test]
 fn a_store_leaves_out_what_one_run_leaves_out() {
     let room = room();
     let views = views(&room);
