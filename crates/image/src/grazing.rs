@@ -12,6 +12,10 @@
 //! the pixel beyond it. A line may miss by what noise explains, and by a small share of the step.
 //! Where noise explains much of the step, nothing is joined.
 //!
+//! Where neighbours share most of their noise, as in depth cameras, four pixels in a row are often
+//! one ramp between two surfaces. There the rule is not used: the halves of the red kitchen would
+//! be 3 to 8 % farther apart (95 %).
+//!
 //! Gained with it: median distances from the truth are a third smaller in the room, where more
 //! views see each place. In a tunnel seen by cameras the curves are 16 % longer, and no less exact.
 //!

@@ -174,7 +174,7 @@ impl OnePassOptions {
     pub fn break_rule(&self, view: &View, noise: &RangeNoise) -> BreakRule {
         let slack = self.jump_sigmas * noise.length();
         let rule = BreakRule::new(self.max_incidence_rad, slack).on_rays_of(view);
-        if self.grazing { rule.with_grazing() } else { rule }
+        if self.grazing && !noise.is_mostly_shared() { rule.with_grazing() } else { rule }
     }
 }
 
