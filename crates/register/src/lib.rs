@@ -18,7 +18,7 @@ mod refine;
 mod scrambled;
 mod tuning;
 
-pub use coarse::{CoarseView, Patch, PatchMeeting, Sighting, StoredCopy};
+pub use coarse::{CoarseView, Patch, PatchMeeting, StoredCopy};
 pub use free_space::FreeSpace;
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,

@@ -85,20 +85,6 @@ struct Seen {
     whole: bool,
 }
 
-/// Where a point lies, as a view sees it along the ray through the point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sighting {
-    /// Between the sensor and all that the view measured around that ray, by this length. The view
-    /// looked through the point, so no surface is there.
-    InFront(f64),
-    /// Within the depths that the view measured around that ray.
-    Near,
-    /// Behind all that it measured around that ray, by this length. The view says nothing about it.
-    Behind(f64),
-    /// Outside the image, or at missing pixels.
-    Unseen,
-}
-
 /// A point over a patch of a view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PatchMeeting {
@@ -197,7 +183,7 @@ impl CoarseView {
     /// The same copy of a view whose scan states how far its pose may be wrong.
     ///
     /// # Errors
-    /// [`PriorError::OfView`] if a number of the prior is negative or not finite.
+    /// [`PriorError::OfView`] if a number of the prior is not finite or below 1e-12.
     pub fn with_prior(self, prior: Option<PosePrior>) -> Result<Self, PriorError> {
         match prior.filter(|prior| !prior.is_sound()) {
             Some(prior) => Err(PriorError::OfView { view: self.name, prior }),
@@ -323,22 +309,15 @@ impl CoarseView {
         self.cells.get(cell).copied()
     }
 
-    /// Where a sensor-frame point, whose ray passes the cell, lies along that ray.
+    /// How far a sensor-frame point, whose ray passes the cell, lies in front of all that the view
+    /// measured around that ray. The view looked through it, so no surface is there.
     ///
-    /// A point is in front only if the cell and all around it are whole and farther away: rays
-    /// between surfaces say nothing.
-    pub(crate) fn sighting_in(&self, cell: usize, in_sensor: &Point3) -> Sighting {
-        let Some(ray) = self.ray(cell) else { return Sighting::Unseen };
-        let depth = (in_sensor - ray.start).dot(&ray.direction);
+    /// `None` unless the cell and all around it are whole and farther away: rays between surfaces
+    /// say nothing.
+    pub(crate) fn free_in_front(&self, cell: usize, in_sensor: &Point3) -> Option<f64> {
+        let ray = self.ray(cell)?;
         let before = |around| self.before(around, &ray, in_sensor);
-        let nearest = self.around(cell, 1).map(before).reduce(|a, b| Some(a?.min(b?)));
-        let seen = self.around(cell, 1).filter_map(|around| self.cells.get(around)?.seen);
-        let farthest = f64::from(seen.map(|seen| seen.farthest).fold(0.0, f32::max));
-        match nearest.flatten() {
-            Some(before) => Sighting::InFront(before),
-            None if depth > farthest => Sighting::Behind(depth - farthest),
-            None => Sighting::Near,
-        }
+        self.around(cell, 1).map(before).reduce(|a, b| Some(a?.min(b?))).flatten()
     }
 
     /// How far a point on a ray is in front of what a cell near that ray measured; `None` unless

@@ -1,6 +1,6 @@
 //! The evidence of one view about the patches of another view.
 
-use crate::coarse::{CoarseView, Sighting};
+use crate::coarse::CoarseView;
 use crate::tuning::MAX_INCIDENCE_DEGREES;
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -148,7 +148,7 @@ fn sample(probe: &Probe, own: Placed<'_>, other: Placed<'_>, reach: f64) -> Opti
 fn free_before(through: Placed<'_>, place: &Point3, normal: &Vector3) -> Option<f64> {
     let in_sensor = through.at.to_sensor(place);
     let cell = through.view.cell_of(&in_sensor)?;
-    let Sighting::InFront(depth) = through.view.sighting_in(cell, &in_sensor) else { return None };
+    let depth = through.view.free_in_front(cell, &in_sensor)?;
     // Rays need not start in the origin of the sensor frame.
     let ray = through.at.world_from_sensor * through.view.ray(cell)?.direction;
     // A surface that is seen at a grazing angle ends anywhere between two pixels, so a point beside
