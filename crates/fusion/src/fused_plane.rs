@@ -8,7 +8,8 @@ use transect_geometry::Curve;
 /// The fused curves of one plane.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FusedPlane {
-    /// The curves, longest first.
+    /// The curves, longest first as they are fused. A run that leaves out nodes puts the pieces of
+    /// a curve in its place.
     pub curves: Vec<Curve>,
     /// Measured standard deviation of one view's curve against the fused one, in the length unit.
     /// With one view, or views that do not overlap: the median of their nodes' own.

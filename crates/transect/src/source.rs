@@ -22,7 +22,7 @@ pub trait ViewSource: Sync {
     }
 
     /// How far the view's pose may be wrong, if that is known of this view. A number that is
-    /// negative or not finite ends a run that refines poses.
+    /// not finite or below 1e-12, such as 0, ends a run that refines poses.
     fn pose_prior(&self) -> Option<PosePrior> {
         None
     }

@@ -213,23 +213,24 @@ impl Straightened {
         Grid::new(self).pixels().map(torn).sum()
     }
 
-    /// Names the guide's point that is farthest from the samples, if pairs are torn.
+    /// Names the guide's point that is farthest from the first sample, if pairs are torn.
     fn note(&self) -> Option<Note> {
+        if self.torn == 0 {
+            return None;
+        }
         let sample = Grid::new(self).pixels().find(|pixel| self.at(*pixel).is_some())?;
         let sample = self.given.world_from_sensor() * self.given.point_in_sensor(sample)?;
         let points = self.guide.points().iter().enumerate();
         let far = points.map(|(k, p)| (k, p, (p - sample).norm()));
         let (k, point, distance) = far.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        (self.torn > 0).then(|| {
-            let text = format!(
-                "the guide passes its samples more than once: the stations of {} pairs of \
-                 neighbouring samples differ by more than the samples are apart, and curves end \
-                 there; point {k} of the guide, ({}, {}, {}), is {distance:.4} from the samples: \
-                 check its coordinates",
-                self.torn, point.x, point.y, point.z
-            );
-            Note::about(format_args!("view {}", self.given.name()), text)
-        })
+        let text = format!(
+            "the guide passes its samples more than once: the stations of {} pairs of \
+             neighbouring samples differ by more than the samples are apart, and curves end \
+             there; point {k} of the guide, ({}, {}, {}), is {distance:.4} from the first sample, \
+             farther than all others: check its coordinates",
+            self.torn, point.x, point.y, point.z
+        );
+        Some(Note::about(format_args!("view {}", self.given.name()), text))
     }
 }
 

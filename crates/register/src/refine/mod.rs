@@ -83,7 +83,7 @@ pub struct RefineOptions {
 /// other, as the poses of a camera that is carried drift from view to view.
 ///
 /// # Errors
-/// [`PriorError::OfAll`] if a number of the prior in the options is negative or not finite.
+/// [`PriorError::OfAll`] if a number of the prior in the options is not finite or below 1e-12.
 pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Result<PoseRefinement, PriorError> {
     if let Some(prior) = options.prior.filter(|prior| !prior.is_sound()) {
         return Err(PriorError::OfAll(prior));
