@@ -11,6 +11,10 @@ const ROUNDING: f64 = 1e-9;
 /// Deviation that is rounding of few printed digits or of `f32`; beyond, the matrix is no rotation.
 /// Ten times this would let a shear of 0.1 rad pass for rounding.
 const REPAIRABLE: f64 = 1e-2;
+/// Largest deviation of the last row from 0 0 0 1 that is rounding. No unit. Six printed digits
+/// round by up to 5e-7, and an inversion in `f32` by a few 1e-7. Doubled, nothing changes. At 1e-2,
+/// a transposed pose whose translation is 1 cm passes for a pose without a translation.
+const ROW_ROUNDING: f64 = 1e-6;
 /// Largest deviation of a quaternion's length from 1 that counts as rounding of printed digits.
 /// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
 const QUATERNION_ROUNDING: f64 = 1e-3;
@@ -19,20 +23,23 @@ const QUATERNION_ROUNDING: f64 = 1e-3;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pose {
     pub(crate) world_from_sensor: Isometry3,
-    /// Largest entry of |RᵀR − 1|.
+    /// Largest entry of |RᵀR − 1|, or deviation of the last row if that is larger.
     pub(crate) repaired: Option<f64>,
 }
 
 /// The pose of a row-major homogeneous matrix, sensor to world.
 ///
 /// A matrix that is almost a rotation is replaced by the nearest one (the polar factor, from the
-/// singular value decomposition). The error is a sentence for the caller to put after the place.
+/// singular value decomposition). A last row that is almost 0 0 0 1 is replaced by it. The error is
+/// a sentence for the caller to put after the place.
 pub(crate) fn from_row_major(numbers: &[f64; 16]) -> Result<Pose, String> {
     let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *numbers;
     if !numbers.iter().all(|n| n.is_finite()) {
         return Err("the pose has a number that is not finite".to_owned());
     }
-    if last != [0.0, 0.0, 0.0, 1.0] {
+    let row = last.iter().zip([0.0, 0.0, 0.0, 1.0]).map(|(n, wanted)| (n - wanted).abs());
+    let row = row.fold(0.0, f64::max);
+    if row > ROW_ROUNDING {
         return Err(format!("the last row of the pose is {last:?}, not 0 0 0 1"));
     }
     let matrix = Matrix3::new(a, b, c, d, e, f, g, h, i);
@@ -46,6 +53,7 @@ pub(crate) fn from_row_major(numbers: &[f64; 16]) -> Result<Pose, String> {
     if matrix.determinant() < 0.0 {
         return Err("the pose is a reflection: its determinant is negative".to_owned());
     }
+    let deviation = deviation.max(row);
     let exact = deviation <= ROUNDING;
     let rotation = if exact { matrix } else { nearest_rotation(matrix).unwrap_or(matrix) };
     let unit = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
@@ -171,6 +179,21 @@ mod tests {
     }
 
     #[test]
+    fn a_last_row_that_differs_by_rounding_is_repaired() {
+        let pose = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, 0.2, -0.1));
+        for (by, is_noted) in [(1e-16, false), (1e-10, false), (1e-7, true), (9e-7, true)] {
+            for at in 12..16 {
+                let mut numbers = row_major(&pose);
+                numbers[at] -= by;
+                let back = from_row_major(&numbers).unwrap();
+                let moved = back.world_from_sensor.to_homogeneous() - pose.to_homogeneous();
+                assert!(moved.amax() < 1e-14, "{at}: {by}");
+                assert_eq!(back.repaired.is_some(), is_noted, "{at}: {by}");
+            }
+        }
+    }
+
+    #[test]
     fn matrices_that_are_no_pose_are_told_apart() {
         let identity = row_major(&Isometry3::identity());
         let with = |at: usize, value: f64| {
@@ -180,6 +203,7 @@ mod tests {
         };
         assert_eq!(with(3, f64::NAN), "the pose has a number that is not finite");
         assert_eq!(with(13, 2.0), "the last row of the pose is [0.0, 2.0, 0.0, 1.0], not 0 0 0 1");
+        assert!(with(15, 1.0 - 2e-6).starts_with("the last row of the pose is [0.0, 0.0, 0.0, 0."));
         assert_eq!(with(0, -1.0), "the pose is a reflection: its determinant is negative");
         assert!(with(0, 1.1).starts_with("the pose is no rotation: its columns deviate"));
         assert!(with(0, 1e200).starts_with("the pose is no rotation"));

@@ -15,7 +15,7 @@ mod timed;
 
 use crate::input::read_text;
 use crate::{Place, ReadError, pose};
-use nalgebra::Matrix4;
+use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 pub(crate) use timed::{NoPose, Timed};
@@ -168,14 +168,56 @@ fn line_number(text: &str, start: usize) -> usize {
     1 + text.bytes().take(start).filter(|byte| *byte == b'\n').count()
 }
 
+/// The inverse of a view's extrinsic. The 3 × 3 part is inverted as it is, so that a later check
+/// finds by how much it is no rotation. For the same reason, the last row stays.
 fn world_from_sensor(view: &Open3dView) -> Result<[f64; 16], String> {
     let [a, d, g, k, b, e, h, l, c, f, i, m, x, y, z, n] = view.extrinsic;
     let sensor_from_world = [a, b, c, x, d, e, f, y, g, h, i, z, k, l, m, n];
     let pose = pose::from_row_major(&sensor_from_world)?;
-    // The inverse of the matrix as it is shows later by how much it is no rotation.
-    let inverse = Matrix4::from_row_slice(&sensor_from_world).try_inverse();
-    let inverse = inverse.unwrap_or_else(|| pose.world_from_sensor.inverse().to_homogeneous());
-    let mut rows = [0.0; 16];
-    rows.iter_mut().zip(inverse.transpose().iter()).for_each(|(row, n)| *row = *n);
-    Ok(rows)
+    let inverse = Matrix3::new(a, b, c, d, e, f, g, h, i).try_inverse();
+    let r = inverse.unwrap_or_else(|| {
+        pose.world_from_sensor.inverse().rotation.to_rotation_matrix().into_inner()
+    });
+    let t = -(r * Vector3::new(x, y, z));
+    let [[a, d, g], [b, e, h], [c, f, i]] = r.into();
+    Ok([a, b, c, t.x, d, e, f, t.y, g, h, i, t.z, k, l, m, n])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use transect_geometry::Isometry3;
+
+    proptest! {
+        #[test]
+        fn extrinsics_of_open3d_are_inverted_to_poses(
+            axis in prop::array::uniform3(-3.0..3.0), place in prop::array::uniform3(-6e6..6e6),
+        ) {
+            let pose = Isometry3::new(Vector3::from(place), Vector3::from(axis));
+            // Column by column, as nalgebra stores a matrix.
+            let sensor_from_world = pose.inverse().to_homogeneous();
+            let mut extrinsic = [0.0; 16];
+            extrinsic.copy_from_slice(sensor_from_world.as_slice());
+            let rows = world_from_sensor(&Open3dView { extrinsic }).unwrap();
+            prop_assert_eq!(&rows[12..], &[0.0, 0.0, 0.0, 1.0]);
+            let back = pose::from_row_major(&rows).unwrap();
+            prop_assert!(back.repaired.is_none());
+            prop_assert!(back.world_from_sensor.rotation.angle_to(&pose.rotation) < 1e-7);
+            let way = back.world_from_sensor.translation.vector - pose.translation.vector;
+            prop_assert!(way.norm() < 1e-7, "off by {}", way);
+        }
+    }
+
+    #[test]
+    fn the_rounded_last_row_of_an_extrinsic_is_repaired() {
+        let mut extrinsic = [0.0; 16];
+        extrinsic
+            .copy_from_slice(Isometry3::translation(1.0, 2.0, 3.0).to_homogeneous().as_slice());
+        extrinsic[15] -= 1e-7;
+        let rows = world_from_sensor(&Open3dView { extrinsic }).unwrap();
+        let back = pose::from_row_major(&rows).unwrap();
+        assert!(back.repaired.is_some_and(|by| by < 2e-7));
+        assert_eq!(back.world_from_sensor, Isometry3::translation(-1.0, -2.0, -3.0));
+    }
 }
