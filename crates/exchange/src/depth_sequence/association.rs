@@ -5,6 +5,7 @@
 use super::layouts::{DepthImage, Layout, pose_file};
 use crate::trajectory::{self, NoPose, Ordered, Timed, Trajectory};
 use crate::{OpenOptions, Place, ReadError, row_major};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use transect_device::Note;
 
@@ -80,6 +81,77 @@ fn unusable(error: ReadError) -> Loss {
     Loss("without a usable pose".to_owned(), format!(", {error}"))
 }
 
+/// Which image a pose of a trajectory without times belongs to.
+enum Rule {
+    /// Pose k belongs to image k. The heads of the poses may have other numbers.
+    Order { ignores_heads: bool },
+    /// Pose k belongs to the image whose name ends with the number k.
+    Number,
+    /// A pose belongs to the image whose name ends with the number in the head of the pose. Holds
+    /// the places of the poses by these numbers.
+    Head(BTreeMap<usize, usize>),
+}
+
+impl Rule {
+    /// The heads count if the names of all images have numbers. Else pose k belongs to image k, if
+    /// there are as many poses as images.
+    fn of(layout: &Layout, poses: &Ordered) -> Result<Self, ReadError> {
+        let images = &layout.images;
+        let is_numbered = images.iter().all(|image| image.number.is_some());
+        match poses.places_by_head() {
+            Some(places) if is_numbered => Ok(Self::Head(places)),
+            heads if poses.len() == images.len() => {
+                Ok(Self::Order { ignores_heads: heads.is_some() })
+            }
+            _ if is_numbered => Ok(Self::Number),
+            _ => {
+                let problem = format!(
+                    "{} poses, but {} images whose names have no numbers; expected one pose per \
+                     image",
+                    poses.len(),
+                    images.len()
+                );
+                Err(ReadError::damaged(&layout.poses, Place::Whole, problem))
+            }
+        }
+    }
+
+    /// States the rule. `None` if images and poses have the same order.
+    fn note(&self, layout: &Layout, poses: &Ordered) -> Option<String> {
+        let (count, images) = (poses.len(), &layout.images);
+        let rule = match self {
+            Self::Order { ignores_heads: false } => return None,
+            Self::Order { ignores_heads: true } => {
+                "the numbers in the heads of the poses are not used, because not all images have \
+                 numbers in their names: pose k belongs to image k"
+                    .to_owned()
+            }
+            Self::Number => {
+                "pose k (from 0) belongs to the image whose name ends with the number k".to_owned()
+            }
+            Self::Head(places) => {
+                let numbers = images.iter().filter_map(|image| image.number);
+                let known: BTreeSet<_> = numbers.filter(|n| places.contains_key(n)).collect();
+                let (first, last) = (places.keys().next()?, places.keys().next_back()?);
+                format!(
+                    "their heads have numbers from {first} to {last}; a pose belongs to the image \
+                     whose name ends with the number in the head; {} poses have no image",
+                    count - known.len()
+                )
+            }
+        };
+        Some(format!("{count} poses for {} images; {rule}", images.len()))
+    }
+
+    /// The reason of an image without a pose.
+    fn loss(&self) -> &'static str {
+        match self {
+            Self::Head(_) => "with numbers that no pose has in its head",
+            _ => "with numbers beyond the last pose",
+        }
+    }
+}
+
 impl Association {
     fn add(&mut self, index: usize, image: &DepthImage, pose: Result<[f64; 16], Loss>) {
         let Loss(reason, detail) = match pose {
@@ -95,33 +167,20 @@ impl Association {
         }
     }
 
-    /// Pose k belongs to image k. If their numbers differ, it belongs to the image whose name ends
-    /// with the number k.
+    /// The poses of a trajectory without times.
     fn in_order(&mut self, layout: &Layout, poses: &Ordered) -> Result<(), ReadError> {
-        let (images, path) = (&layout.images, &layout.poses);
-        let by_name = poses.len() != images.len();
-        if by_name && images.iter().any(|image| image.number.is_none()) {
-            let problem = format!(
-                "{} poses, but {} images whose names have no numbers; expected one pose per image",
-                poses.len(),
-                images.len()
-            );
-            return Err(ReadError::damaged(path, Place::Whole, problem));
-        }
-        if by_name {
-            let text = format!(
-                "{} poses for {} images; pose k (from 0) belongs to the image whose name ends with \
-                 the number k",
-                poses.len(),
-                images.len()
-            );
-            self.notes.push(Note::about(path.display(), text));
-        }
-        for (index, image) in images.iter().enumerate() {
-            let place = if by_name { image.number } else { Some(index) };
+        let rule = Rule::of(layout, poses)?;
+        let text = rule.note(layout, poses);
+        self.notes.extend(text.map(|text| Note::about(layout.poses.display(), text)));
+        for (index, image) in layout.images.iter().enumerate() {
+            let place = match &rule {
+                Rule::Order { .. } => Some(index),
+                Rule::Number => image.number,
+                Rule::Head(places) => image.number.and_then(|n| places.get(&n).copied()),
+            };
             let pose = match place.and_then(|place| poses.get(place)) {
                 Some(pose) => pose.map_err(unusable),
-                None => Err(Loss("with numbers beyond the last pose".to_owned(), String::new())),
+                None => Err(Loss(rule.loss().to_owned(), String::new())),
             };
             self.add(index, image, pose);
         }

@@ -332,6 +332,46 @@ fn a_trajectory_of_more_images_places_them_by_the_numbers_in_their_names() {
     assert!(unnamed.ends_with("expected one pose per image"), "{unnamed}");
 }
 
+/// Heads that do not count from 0 in order place poses by the numbers in the images' names.
+#[test]
+fn the_heads_of_a_log_place_its_poses() {
+    let log = |heads: &[usize]| -> String {
+        heads.iter().map(|k| format!("{k} {k} {}\n{}", k + 1, pose_at(*k as f64))).collect()
+    };
+    let folder = folder(&[("camera.txt", MATRIX), ("trajectory.log", &log(&[3, 2, 7]))]);
+    let add = |name: &str| write_png(&folder.path().join("depth").join(name), 2, &[1000; 4]);
+    fs::create_dir(folder.path().join("depth")).unwrap();
+    ["000000.png", "000002.png", "000003.png"].into_iter().for_each(add);
+    let scan = Scan::open(folder.path()).unwrap();
+    assert_eq!(views(&scan), [("depth/000002.png", 2.0, 1.0), ("depth/000003.png", 3.0, 1.0)]);
+    let notes = lines(&scan.notes);
+    for text in [
+        "3 poses for 3 images; their heads have numbers from 2 to 7; a pose belongs to the image \
+         whose name ends with the number in the head; 1 poses have no image",
+        "1 of 3 images are left out, with numbers that no pose has in its head; the first: \
+         depth/000000.png",
+    ] {
+        assert!(notes.contains(text), "no {text:?} in\n{notes}");
+    }
+    // Heads that repeat a number, or count from 0, state nothing.
+    for heads in [[5, 5, 5], [0, 1, 2]] {
+        fs::write(folder.path().join("trajectory.log"), log(&heads)).unwrap();
+        let scan = Scan::open(folder.path()).unwrap();
+        let x = |k: usize| scan.views[k].world_from_sensor().translation.x as usize;
+        assert_eq!([x(0), x(1), x(2)], heads);
+        assert!(!lines(&scan.notes).contains("heads"), "{:?}", scan.notes);
+    }
+    fs::write(folder.path().join("trajectory.log"), log(&[5, 6, 7])).unwrap();
+    let none = error(&folder, &OpenOptions::default());
+    assert!(none.contains("no image has a pose: 3 of 3 images are left out, with num"), "{none}");
+    fs::rename(folder.path().join("depth/000003.png"), folder.path().join("depth/last.png"))
+        .unwrap();
+    let scan = Scan::open(folder.path()).unwrap();
+    assert_eq!(scan.views.len(), 3);
+    let text = "the numbers in the heads of the poses are not used, because not all images have";
+    assert!(lines(&scan.notes).contains(text), "{:?}", scan.notes);
+}
+
 #[test]
 fn images_of_floating_point_numbers_hold_metres() {
     let folder = folder(&[("camera.txt", MATRIX), ("poses.txt", &pose_at(0.0))]);

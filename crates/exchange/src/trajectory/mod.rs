@@ -5,8 +5,11 @@
 //! | TUM, ICL-NUIM | a line `time tx ty tz qx qy qz qw` | its time |
 //! | KITTI | a line of 3 × 4 numbers, row by row | the view in its place |
 //! | 4 × 4 | a line of 16 numbers, or four lines of 4 | the view in its place |
-//! | Open3D `.log` | a line of three counts, then four lines of 4 numbers | the view in its place |
+//! | Open3D `.log` | a head of three counts, then four lines of 4 numbers | the view of its number |
 //! | Open3D `.json` | `extrinsic`: sensor from world, column by column | the view in its place |
+//!
+//! The number of a pose in a `.log` is the first count of its head. Where the heads count from 0 in
+//! order, that is the pose's place.
 //!
 //! The number of words in the first line tells the text formats apart. Commas separate words, too.
 //! Blank lines and those that begin with `#` or `%` are comments.
@@ -17,6 +20,7 @@ use crate::input::read_text;
 use crate::{Place, ReadError, pose};
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 pub(crate) use timed::{NoPose, Timed};
 
@@ -94,6 +98,21 @@ impl Ordered {
             Poses::Text { starts, .. } => starts.len(),
             Poses::Json(views) => views.len(),
         }
+    }
+
+    /// The places of the poses by the numbers of their heads. `None` where the heads count from 0
+    /// in order, where a number repeats, and for poses without heads.
+    pub(crate) fn places_by_head(&self) -> Option<BTreeMap<usize, usize>> {
+        let Poses::Text { text, starts, heads: 1.., .. } = &self.poses else { return None };
+        let mut places = BTreeMap::new();
+        for (place, start) in starts.iter().enumerate() {
+            let (_, head) = lines(text, *start).next()?;
+            let number = words(head).next()?.parse().ok()?;
+            if places.insert(number, place).is_some() {
+                return None;
+            }
+        }
+        places.iter().any(|(number, place)| number != place).then_some(places)
     }
 
     /// Pose `k` as a row-major matrix; `None` beyond the last one.
