@@ -186,6 +186,9 @@ pub enum Unusable {
     /// They make no view.
     #[error(transparent)]
     View(#[from] ViewError),
+    /// They make a view without a valid pixel: leave it out, or correct its file.
+    #[error("{0}; leave this view out with the setting `views`, or correct its file")]
+    EmptyView(ViewError),
     /// They make no sensor.
     #[error(transparent)]
     Sensor(#[from] SensorError),

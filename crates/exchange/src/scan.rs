@@ -3,12 +3,12 @@
 //! Every reader of a scan format makes a [`Scan`]. The formats are listed in `open.rs`; this file
 //! knows none of them. A view keeps a [`LoadView`], which reads its image when it is asked to.
 
-use crate::{Place, ReadError};
+use crate::{Place, ReadError, Unusable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageOrder, Isometry3, Note, RangeImage, View};
+use transect_device::{DeviceFrame, ImageOrder, Isometry3, Note, RangeImage, View, ViewError};
 use transect_geometry::{
     CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
@@ -245,7 +245,13 @@ impl ScanView {
         let mut texts = Vec::new();
         let FramedImage { frame, image } = self.source.load(&mut texts)?;
         let view = View::new(self.name.clone(), image, frame, self.world_from_sensor, self.sigma);
-        let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the view", e);
+        let unusable = |error| {
+            let reason = match error {
+                ViewError::NoValidPixel => Unusable::EmptyView(error),
+                other => other.into(),
+            };
+            ReadError::unusable(&self.path, Place::Whole, "the view", reason)
+        };
         let about = self.about();
         let notes = texts.into_iter().map(|text| Note::about(&about, text)).collect();
         Ok((view.map_err(unusable)?, notes))

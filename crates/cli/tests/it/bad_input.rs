@@ -188,7 +188,7 @@ fn spoiled_images_are_refused_with_file_and_reason() {
     let with_header = |shape| [npy_header(shape), vec![0; 64]].concat();
     let png = png();
     for (file, bytes, texts) in [
-        ("wall.npy", npy(&[0.0; SIDE * SIDE]), ["not usable", "every pixel is missing"]),
+        ("wall.npy", npy(&[0.0; SIDE * SIDE]), ["every pixel is missing", "out with --views"]),
         ("wall.npy", npy(&[f32::NAN; SIDE * SIDE]), ["not usable", "every pixel is missing"]),
         ("wall.npy", npy(&[-1.0; SIDE * SIDE]), ["not usable", "every pixel is missing"]),
         ("wall.npy", sound[..sound.len() - 1].to_vec(), ["truncated", "[12, 12]"]),

@@ -115,7 +115,8 @@ fn an_image_without_a_valid_pixel_names_its_file() {
     folder.image("a.npy", &[2, 2], &[0.0; 4]);
     let error = folder.error();
     let end = "a.npy: the view is not usable: every pixel is missing: \
-               zero, negative, infinite or not a number";
+               zero, negative, infinite or not a number; leave this view out with the setting \
+               `views`, or correct its file";
     assert!(error.ends_with(end), "{error}");
     folder.image("a.npy", &[2, 2], &[1.0]);
     assert!(
