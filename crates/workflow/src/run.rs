@@ -70,12 +70,13 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        let setup = settings.setup(self.scan())?;
+        let (setup, notes) = settings.noted_setup(self.scan())?;
         let splines = self.splines(settings);
         let faces = |view: &View| InFaces::of(view, &setup.planes);
         let (views, faces) = self.looked_at("", settings.plausibility(&setup), faces)?;
         let mut reconstruction = reconstruct(&views, &setup, watch)?;
-        reconstruction.report.notes.extend(in_faces(&faces, &setup.planes));
+        let notes = notes.into_iter().chain(in_faces(&faces, &setup.planes));
+        reconstruction.report.notes.extend(notes);
         self.run(reconstruction, setup, (settings, splines), None, Vec::new())
     }
 
@@ -95,13 +96,14 @@ impl OpenScan {
     ) -> Result<Run<'_>, WorkflowError> {
         self.is_read_alike()?;
         remove_leftovers(store);
-        let (setup, note) = self.setup_for_store(store, settings)?;
+        let (setup, notes) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings);
         let faces = |view: &View| InFaces::of(view, &setup.planes);
         let (views, faces) = self.looked_at(prefix, settings.plausibility(&setup), faces)?;
         let Grown { mut reconstruction, views_present, planes_fused } =
             grow(store, &views, &setup, watch)?;
-        reconstruction.report.notes.extend(note.into_iter().chain(in_faces(&faces, &setup.planes)));
+        let notes = notes.into_iter().chain(in_faces(&faces, &setup.planes));
+        reconstruction.report.notes.extend(notes);
         let rows = vec![
             Row::plain("store", store.display()),
             Row::plain("views added", reconstruction.report.views.len()),
@@ -141,23 +143,24 @@ impl OpenScan {
         Ok(())
     }
 
-    /// The settings, completed by those of the store if it exists, else by the scan's. A note tells
-    /// where the scan's own planes give way.
+    /// The settings, completed by those of the store if it exists, else by the scan's. Notes
+    /// tell where the scan's own planes give way, and are about the guide's file.
     fn setup_for_store(
         &self,
         store: &Path,
         settings: &Settings,
-    ) -> Result<(Setup, Option<Note>), WorkflowError> {
+    ) -> Result<(Setup, Vec<Note>), WorkflowError> {
         let scan = self.scan();
         if !store.exists() {
-            return Ok((settings.setup(scan)?, None));
+            return settings.noted_setup(scan);
         }
         let there = setup_of(store, crate::read_store(store)?.read()?.header())?;
-        let setup = settings.setup_of_store(scan, there)?;
+        let (setup, mut notes) = settings.setup_of_store(scan, there)?;
         let scans_own = scan.planes.as_ref().and_then(|planes| planes.family().ok());
         let differ = settings.planes.is_empty() && scans_own.is_some_and(|p| p != setup.planes);
         let note = "the scan states other planes than the store; the store's are used";
-        Ok((setup, differ.then(|| Note::new(note))))
+        notes.extend(differ.then(|| Note::new(note)));
+        Ok((setup, notes))
     }
 
     pub(crate) fn views(

@@ -7,6 +7,7 @@ use crate::{Check, MethodSettings, Plausibility, PriorSettings, RefineSettings, 
 use std::mem::discriminant;
 use std::path::PathBuf;
 use transect::{ReconstructError, Setup};
+use transect_device::Note;
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
 use transect_fusion::FusionMethod;
 use transect_geometry::{
@@ -83,20 +84,26 @@ impl Settings {
     /// [`WorkflowError`] if a setting has no usable value, neither settings nor scan state an
     /// interval, or a guide cannot be read.
     pub fn setup(&self, scan: &Scan) -> Result<Setup, WorkflowError> {
-        let planes = self.planes.family(scan.unit, scan.planes.as_ref())?;
-        self.complete(Setup::new(scan.unit, planes))
+        Ok(self.noted_setup(scan)?.0)
     }
 
-    /// The setup of the modeler for a store: these settings, completed by the store's.
+    /// The setup of [`Self::setup`], with notes about the guide's file.
+    pub(crate) fn noted_setup(&self, scan: &Scan) -> Result<(Setup, Vec<Note>), WorkflowError> {
+        let (planes, notes) = self.planes.family(scan.unit, scan.planes.as_ref())?;
+        Ok((self.complete(Setup::new(scan.unit, planes))?, notes))
+    }
+
+    /// The setup of the modeler for a store: these settings, completed by the store's. Notes are
+    /// about the guide's file.
     pub(crate) fn setup_of_store(
         &self,
         scan: &Scan,
         mut store: Setup,
-    ) -> Result<Setup, WorkflowError> {
+    ) -> Result<(Setup, Vec<Note>), WorkflowError> {
         let own = PlanesEntry::from(&store.planes);
-        store.planes = self.planes.family(scan.unit, Some(&own))?;
-        store.unit = scan.unit;
-        self.complete(store)
+        let (planes, notes) = self.planes.family(scan.unit, Some(&own))?;
+        (store.planes, store.unit) = (planes, scan.unit);
+        Ok((self.complete(store)?, notes))
     }
 
     fn complete(&self, mut setup: Setup) -> Result<Setup, WorkflowError> {
@@ -137,13 +144,14 @@ impl PlaneSettings {
         [self.offset, self.interval].map(|length| length.map(|length| length.in_unit(unit)))
     }
 
-    /// The planes: these settings, completed by those of a scan or a store.
+    /// The planes: these settings, completed by those of a scan or a store. Notes are about the
+    /// guide's file.
     fn family(
         &self,
         unit: LengthUnit,
         own: Option<&PlanesEntry>,
-    ) -> Result<PlaneFamily, WorkflowError> {
-        let guide = self.guide(unit, own)?;
+    ) -> Result<(PlaneFamily, Vec<Note>), WorkflowError> {
+        let (guide, notes) = self.guide(unit, own)?;
         let [offset, interval] = self.lengths(unit);
         // "3in" and "7.62cm" are the same length, but for rounding.
         let same = |own: f64, given: f64| (own - given).abs() <= 1e-12 * own.abs();
@@ -154,26 +162,31 @@ impl PlaneSettings {
         let interval = complete(interval, own.map(|p| p.interval));
         let offset = complete(offset, own.map(|p| p.offset));
         let interval = interval.ok_or(WorkflowError::NoInterval)?;
-        Ok(PlaneFamily::new(guide, offset.unwrap_or(0.0), interval)?)
+        Ok((PlaneFamily::new(guide, offset.unwrap_or(0.0), interval)?, notes))
     }
 
-    fn guide(&self, unit: LengthUnit, own: Option<&PlanesEntry>) -> Result<Guide, WorkflowError> {
+    fn guide(
+        &self,
+        unit: LengthUnit,
+        own: Option<&PlanesEntry>,
+    ) -> Result<(Guide, Vec<Note>), WorkflowError> {
         if let Some(guide) = &self.guide {
             return guide.read(unit);
         }
         let normal = match (self.normal, own) {
             (Some(normal), _) => normal.into(),
             (None, Some(PlanesEntry { guide: Some(guide), .. })) => {
-                return Ok(guide.clone().into());
+                return Ok((guide.clone().into(), Vec::new()));
             }
             (None, own) => own.map_or(Vector3::z(), |p| p.normal.into()),
         };
-        Ok(StraightGuide::along(normal)?.into())
+        Ok((StraightGuide::along(normal)?.into(), Vec::new()))
     }
 }
 
 impl GuideSettings {
-    pub(crate) fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
+    /// The guide, with notes about its file.
+    pub(crate) fn read(&self, unit: LengthUnit) -> Result<(Guide, Vec<Note>), WorkflowError> {
         let radius = self.radius.map(|radius| radius.in_unit(unit));
         let kind = match (self.polyline, radius) {
             (true, radius) => GuideKind::Polyline(radius),
@@ -183,7 +196,7 @@ impl GuideSettings {
                 return Err(WorkflowError::setting("guide_radius", problem));
             }
         };
-        let guide = read_guide(&self.path, kind, unit)?;
+        let (guide, notes) = read_guide(&self.path, kind, unit)?;
         if let Some(reach) = self.reach.map(|reach| reach.in_unit(unit)) {
             if reach <= 0.0 {
                 let problem = format!("the reach must be a positive length, got {reach}");
@@ -192,7 +205,7 @@ impl GuideSettings {
             let unusable = WorkflowError::unusable(&self.path, "the guide cannot be used");
             guide.require_usable_distance(reach).map_err(unusable)?;
         }
-        Ok(guide.into())
+        Ok((guide.into(), notes))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::table::Quantity;
 use crate::{OpenScan, PlaneSettings, Settings, WorkflowError};
 use transect_device::{Note, median, quantile};
 use transect_exchange::PlanesEntry;
-use transect_geometry::{Guide, LengthUnit, Point3, Vector3};
+use transect_geometry::{LengthUnit, Point3, Vector3};
 
 /// Most views that are looked at. Chosen by hand: views of one scan are alike, and the second
 /// reading of these views delays a run. Doubled, the delay doubles.
@@ -131,8 +131,9 @@ impl OpenScan {
             Some(normal) => (normal, None),
             None => upward(views),
         };
+        // The run reads the guide again, and tells its notes.
         let guide = settings.guide.as_ref().map(|guide| guide.read(unit)).transpose()?;
-        let curved = guide.as_ref().and_then(Guide::curved).cloned();
+        let curved = guide.as_ref().and_then(|(guide, _)| guide.curved()).cloned();
         let along = Vector3::from(normal).try_normalize(0.0).unwrap_or(Vector3::z());
         let [given, interval] = settings.lengths(unit);
         let interval = interval.unwrap_or_else(|| {

@@ -4,6 +4,7 @@
 //! reader uses the section ENTITIES, and in it the entities that can be a guide.
 
 use super::Placed;
+use super::chain::{self, Line};
 use crate::Place;
 use crate::dxf_groups::{insertion_unit, unit_of_insertion};
 use crate::error::Problem;
@@ -105,7 +106,11 @@ impl Heavy {
     }
 }
 
-pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Problem> {
+/// The points of the guide, and a note if its lines differ in direction.
+pub(super) fn points(
+    text: &str,
+    unit: LengthUnit,
+) -> Result<(Vec<Placed>, Option<String>), Problem> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err(Problem::damaged("a binary DXF; save it as text"));
     }
@@ -121,8 +126,10 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
 /// What a drawing holds.
 #[derive(Default)]
 struct Found {
-    /// The polylines, and lines that follow each other.
+    /// The polylines.
     curves: Vec<Vec<Placed>>,
+    /// The separate lines.
+    lines: Vec<Line>,
     /// A `POLYLINE` that has not ended yet.
     heavy: Option<Heavy>,
     /// Number of inserted blocks, which are not read.
@@ -148,9 +155,7 @@ impl Found {
             }
             "SEQEND" => self.curves.extend(self.heavy.take().map(|heavy| heavy.vertices)),
             "LINE" => {
-                let ends = [entity.point([10, 20, 30])?, entity.point([11, 21, 31])?];
-                let separate = not_joined(self.curves.last_mut(), ends);
-                self.curves.extend(separate);
+                self.lines.push([entity.point([10, 20, 30])?, entity.point([11, 21, 31])?]);
             }
             "ARC" | "SPLINE" | "ELLIPSE" => {
                 let problem = format!(
@@ -177,15 +182,22 @@ impl Found {
         Ok(())
     }
 
-    /// The points of the only curve.
-    fn only_curve(mut self) -> Result<Vec<Placed>, Problem> {
+    /// The points of the only curve, and a note if its lines differ in direction.
+    fn only_curve(mut self) -> Result<(Vec<Placed>, Option<String>), Problem> {
         if self.heavy.is_some() {
             return Err(Problem::damaged("a POLYLINE has no SEQEND: the file is cut off"));
         }
-        if self.curves.len() == 1 {
-            return Ok(self.curves.pop().unwrap_or_default());
+        let mut chains = chain::join(&self.lines);
+        let count = self.curves.len() + chains.len();
+        if count == 1 {
+            return Ok(match chains.pop() {
+                Some(chain) => {
+                    let note = chain.note();
+                    (chain.points, note)
+                }
+                None => (self.curves.pop().unwrap_or_default(), None),
+            });
         }
-        let count = self.curves.len();
         let mut problem = format!("{count} separate polylines or lines; a guide is one");
         if self.blocks > 0 {
             problem += &format!(". {} blocks (INSERT) are not read: explode them", self.blocks);
@@ -211,28 +223,6 @@ fn check_unit(groups: &[Group<'_>], unit: LengthUnit) -> Result<(), Problem> {
         insertion_unit(unit)
     );
     Err(Problem::at(Place::Line(stated.line), problem))
-}
-
-/// Adds a line to a chain of lines that it touches; returns the line if it does not. The first line
-/// of a chain may run against it, and so may the new one.
-fn not_joined(chain: Option<&mut Vec<Placed>>, [start, end]: [Placed; 2]) -> Option<Vec<Placed>> {
-    let Some(chain) = chain else { return Some(vec![start, end]) };
-    let touches = |chain: &Vec<Placed>| {
-        let last = chain.last().map(|placed| placed.point);
-        [last == Some(start.point), last == Some(end.point)]
-    };
-    if touches(chain) == [false; 2] && chain.len() == 2 {
-        chain.reverse();
-        if touches(chain) == [false; 2] {
-            chain.reverse();
-        }
-    }
-    match touches(chain) {
-        [true, _] => chain.push(end),
-        [_, true] => chain.push(start),
-        _ => return Some(vec![start, end]),
-    }
-    None
 }
 
 /// The points of a light polyline, at its elevation.

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces, and with decimal points; `#` begins a comment; a first line may name x, y and z |
 //! | `.geojson`, `.json` | one `LineString`, alone, in a `Feature` or in a `FeatureCollection`; three coordinates each |
-//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or `LINE`s that follow each other; text, not binary |
+//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or `LINE`s that touch at their ends, in any order; text, not binary |
+//!
+//! `LINE`s may be drawn in different directions. The guide has the direction in which most of its
+//! length was drawn, with a note.
 //!
 //! Coordinates are in the model's unit and frame, so a GeoJSON of longitudes and latitudes cannot
 //! be used. A drawing that states another unit (`$INSUNITS`) is refused. Arcs (bulges, `ARC`),
 //! `SPLINE` and `ELLIPSE`, closed polylines and files with several curves are refused, because it
 //! is unclear which guide they mean.
 
+mod chain;
 mod dxf;
 mod geojson;
 #[cfg(test)]
@@ -20,6 +24,7 @@ use crate::error::Problem;
 use crate::input::{read_bytes, read_text};
 use crate::{Place, ReadError};
 use std::path::Path;
+use transect_device::Note;
 use transect_geometry::{CurvedGuide, GuideKind, LengthUnit, MAX_GUIDE_POINTS, Point3};
 
 /// Largest file that is read, in bytes. Chosen by hand: a hundred times the size of a file with
@@ -28,12 +33,13 @@ use transect_geometry::{CurvedGuide, GuideKind, LengthUnit, MAX_GUIDE_POINTS, Po
 const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// A point, and its place in the file.
+#[derive(Clone)]
 struct Placed {
     point: Point3,
     at: Place,
 }
 
-/// Reads a guide curve.
+/// Reads a guide curve. Notes state what its file leaves unclear.
 ///
 /// # Units
 /// `unit`, the model's length unit.
@@ -46,7 +52,7 @@ pub fn read_guide(
     path: &Path,
     kind: GuideKind,
     unit: LengthUnit,
-) -> Result<CurvedGuide, ReadError> {
+) -> Result<(CurvedGuide, Vec<Note>), ReadError> {
     let length = std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?.len();
     if length > MAX_FILE_SIZE {
         let problem = format!("{length} bytes; a guide has at most {MAX_FILE_SIZE}");
@@ -54,16 +60,20 @@ pub fn read_guide(
     }
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let points = match extension.as_deref() {
-        Some("csv" | "txt") => rows(&read_text(path)?),
-        Some("geojson" | "json") => geojson::points(&read_text(path)?),
+        Some("csv" | "txt") => rows(&read_text(path)?).map(|points| (points, None)),
+        Some("geojson" | "json") => geojson::points(&read_text(path)?).map(|points| (points, None)),
         // Names may be in an encoding of their own; numbers are ASCII.
         Some("dxf") => dxf::points(&String::from_utf8_lossy(&read_bytes(path)?), unit),
         _ => {
             Err(Problem::damaged("the name of a guide ends in .csv, .txt, .geojson, .json or .dxf"))
         }
     };
-    let points = points.and_then(|points| checked(&points)).map_err(|p| p.in_file(path))?;
-    CurvedGuide::new(kind, points).map_err(|e| ReadError::unusable(path, Place::Whole, "guide", e))
+    let read = points.and_then(|(points, note)| Ok((checked(&points)?, note)));
+    let (points, note) = read.map_err(|p| p.in_file(path))?;
+    let notes = note.into_iter().map(|text| Note::about(path.display(), text)).collect();
+    let guide = CurvedGuide::new(kind, points);
+    let guide = guide.map_err(|e| ReadError::unusable(path, Place::Whole, "guide", e))?;
+    Ok((guide, notes))
 }
 
 /// The points, after a check that all are finite and none repeats the one before it.

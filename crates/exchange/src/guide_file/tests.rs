@@ -5,7 +5,7 @@ use proptest::prelude::*;
 fn read(name: &str, text: &str) -> Result<Vec<Point3>, ReadError> {
     let (_folder, path) = write_to_folder(name, text.as_bytes());
     read_guide(&path, GuideKind::Polyline(None), LengthUnit::Metre)
-        .map(|guide| guide.points().to_vec())
+        .map(|(guide, _)| guide.points().to_vec())
 }
 
 fn problem(name: &str, text: &str) -> String {
@@ -42,10 +42,9 @@ fn all_forms_give_the_same_points() {
     for text in [line, &feature, &collection] {
         assert_eq!(read("a.geojson", text).unwrap(), wanted());
     }
-    let turned = "0 LINE 10 4 20 5 30 3 11 1 21 2 31 3 0 LINE 10 4.5 20 9 30 3 11 4 21 5 31 3";
     let flat = "0 POLYLINE 66 1 30 3.0 70 0 0 VERTEX 10 1 20 2 30 0 0 VERTEX 10 4 20 5 30 0 \
                 0 VERTEX 10 4.5 20 9 30 0 0 SEQEND";
-    for entities in [light, heavy, lines, turned, flat] {
+    for entities in [light, heavy, lines, flat] {
         assert_eq!(read("a.dxf", &drawing(entities)).unwrap(), wanted(), "{entities}");
     }
     for header in ["9\n$INSUNITS\n70\n6\n", "9\n$INSUNITS\n70\n0\n"] {
@@ -54,6 +53,40 @@ fn all_forms_give_the_same_points() {
     let latin = [b"999\nStra\xdfe\n", drawing(light).as_bytes()].concat();
     let (_folder, path) = write_to_folder("a.dxf", &latin);
     read_guide(&path, GuideKind::Spline, LengthUnit::Metre).unwrap();
+}
+
+/// A `LINE` between two points of a polyline.
+fn line([from, to]: [usize; 2]) -> String {
+    let point = |k: usize| [0.0, 1.0, 3.0, 6.5, 10.0].get(k).map(|x| (*x, 2.0 + x * x));
+    let ((a, b), (c, d)) = (point(from).unwrap(), point(to).unwrap());
+    format!(" 0 LINE 10 {a} 20 {b} 30 3 11 {c} 21 {d} 31 3")
+}
+
+#[test]
+fn lines_join_in_any_order_and_run_as_most_were_drawn() {
+    let read = |lines: &[[usize; 2]]| {
+        let entities: String = lines.iter().copied().map(line).collect();
+        let (_folder, path) = write_to_folder("a.dxf", drawing(&entities).as_bytes());
+        let (guide, notes) =
+            read_guide(&path, GuideKind::Polyline(None), LengthUnit::Metre).unwrap();
+        let x: Vec<f64> = guide.points().iter().map(|p| p.x).collect();
+        (x, notes.into_iter().map(|note| note.to_string()).collect::<Vec<_>>())
+    };
+    let forward = vec![0.0, 1.0, 3.0, 6.5, 10.0];
+    let backward: Vec<f64> = forward.iter().rev().copied().collect();
+    let drawn = [[0, 1], [1, 2], [2, 3], [3, 4]];
+    for order in [[0, 1, 2, 3], [3, 2, 1, 0], [2, 0, 3, 1], [1, 2, 0, 3]] {
+        let lines = order.map(|k| drawn[k]);
+        assert_eq!(read(&lines), (forward.clone(), vec![]), "{order:?}");
+        let turned = lines.map(|[from, to]| [to, from]);
+        assert_eq!(read(&turned), (backward.clone(), vec![]), "{order:?}");
+    }
+    // The last line is longer than the others together.
+    let (x, notes) = read(&[[1, 0], [4, 3], [1, 2], [2, 3]]);
+    assert_eq!(x, backward);
+    let wanted = "a.dxf: 2 of 4 LINEs are drawn against the direction of most of the length; the \
+                  guide runs from (10, 102, 3) to (0, 2, 3); draw one polyline";
+    assert!(notes.len() == 1 && notes[0].contains(wanted), "{notes:?}");
 }
 
 #[test]
@@ -87,6 +120,10 @@ fn what_is_wrong_is_named_with_its_line() {
         ("0 LWPOLYLINE 70 1 10 1 20 2 10 3 20 4", "line 8: the LWPOLYLINE is closed"),
         ("0 LWPOLYLINE 10 1 20 2 42 0.5 10 3 20 4", "has arcs"),
         ("0 LINE 10 1 20 2 11 3 21 4 0 LINE 10 9 20 2 11 8 21 4", "2 separate"),
+        (
+            "0 LINE 10 1 20 2 11 3 21 4 0 LINE 10 3 20 4 11 8 21 4 0 LINE 10 3 20 4 11 9 21 0",
+            "2 separate",
+        ),
         ("0 LINE 10 1 20 two 11 3 21 4", "line 12: \"two\" is no number"),
         ("0 LINE 10 1 11 3 21 4", "LINE has no group 20"),
         ("0 POLYLINE 0 VERTEX 10 1 20 2", "no SEQEND"),
@@ -131,6 +168,6 @@ proptest! {
         }
         let (_folder, path) = write_to_folder("a.dxf", &bytes);
         let guide = read_guide(&path, GuideKind::Spline, LengthUnit::Metre);
-        prop_assert!(guide.map_or(true, |guide| is_guide(guide.points())));
+        prop_assert!(guide.map_or(true, |(guide, _)| is_guide(guide.points())));
     }
 }

@@ -78,7 +78,7 @@ fn byte_order_marks_are_skipped_in_every_text() {
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (3, 1), "{name}");
     }
     let guide = with_mark("guide.csv", "0 0 0\n1 0 0\n2 0.1 0\n3 0 0\n");
-    let guide = read_guide(&guide, GuideKind::Spline, LengthUnit::Metre).unwrap();
+    let (guide, _) = read_guide(&guide, GuideKind::Spline, LengthUnit::Metre).unwrap();
     assert_eq!(guide.points().len(), 4, "the first point is no header");
     let table = "sweep,theta,p,u,v\n0,0,1,2,3\n1,0,4,5,6\n";
     assert!(read_calibration(&with_mark("table.csv", table)).is_ok());

@@ -96,7 +96,7 @@ pub const STORE_LINES: (&str, Target) = ("store_lines", |folder, bytes| {
 });
 
 fn spline(path: &Path) -> Result<transect_geometry::CurvedGuide, transect_exchange::ReadError> {
-    read_guide(path, GuideKind::Spline, LengthUnit::Metre)
+    read_guide(path, GuideKind::Spline, LengthUnit::Metre).map(|(guide, _)| guide)
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) {
