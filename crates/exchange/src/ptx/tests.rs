@@ -108,6 +108,41 @@ fn rotations_of_few_digits_are_noted() {
     );
 }
 
+/// A room in the world, seen from (2, 1, 0.5); its points are relative to `origin`.
+fn room(position: &str, origin: [f64; 3]) -> String {
+    let [x, y, z] = origin;
+    let mut text = format!("90\n60\n{position}\n1 0 0\n0 1 0\n0 0 1\n");
+    write!(text, "1 0 0 0\n0 1 0 0\n0 0 1 0\n{x} {y} {z} 1").unwrap();
+    for k in 0..90 * 60 {
+        let (theta, phi) = (-0.07 * f64::from(k / 60), 0.8 - 0.03 * f64::from(k % 60));
+        let d = Vector3::new(phi.cos() * theta.cos(), phi.cos() * theta.sin(), phi.sin());
+        let reach = Vector3::new(5.0, 4.0, 1.5).zip_map(&d, |half, d| half / d.abs()).min();
+        let p = Point3::new(2.0 - x, 1.0 - y, 0.5 - z) + d * reach;
+        write!(text, "\n{} {} {} 0.5", p.x, p.y, p.z).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_position_that_contradicts_the_matrix_is_noted() {
+    let notes = |position: &str, origin: [f64; 3]| {
+        let scan = write_to_folder("site.ptx", room(position, origin).as_bytes());
+        let (_, notes) = Scan::open(&scan.1).unwrap().views[0].load().unwrap();
+        notes.into_iter().map(|note| note.to_string()).collect::<Vec<_>>()
+    };
+    let matrix = [2.0, 1.0, 0.5];
+    for same in ["2 1 0.5", "2.0004 0.9996 0.5"] {
+        assert_eq!(notes(same, matrix), [""; 0], "{same}");
+    }
+    let other = notes("-7 1 0.5", matrix);
+    let wanted = "view 0 (scan 0): the third line of the header states the scanner at (-7.000, \
+                  1.000, 0.500), but the matrix places it at (2.000, 1.000, 0.500); the matrix is";
+    assert!(other.len() == 1 && other[0].contains(wanted), "{other:?}");
+    // Points in the frame of the world, with a matrix that moves nothing.
+    let world = notes("2 1 0.5", [0.0; 3]);
+    assert!(world.len() == 1 && world[0].contains("but from (2.000, 1.000, 0.5"), "{world:?}");
+}
+
 #[test]
 fn damaged_lines_are_named() {
     let text = wall(IDENTITY, "");
