@@ -137,7 +137,8 @@ impl StoreFile {
             ..origin(view, &scan_path, plausibility)
         };
         let grower = Grower::new(&self.store, &self.setup)?;
-        let (views, report) = grower.replace_views(&[(id, source)], &Unwatched)?;
+        let (views, mut report) = grower.replace_views(&[(id, source)], &Unwatched)?;
+        report.notes.splice(0..0, scan.notes.iter().cloned());
         let new = views.iter().flat_map(|view| &view.planes);
         let planes_fused = old.planes.iter().chain(new).collect::<BTreeSet<_>>().len();
         Ok(Replaced { planes_fused, views, report })
@@ -198,11 +199,19 @@ impl StoreFile {
     }
 
     /// The scan at a path, of which views may lack their files. A scan that does not state its unit
-    /// is taken to have the store's; the modeler refuses one of another unit.
+    /// is taken to have the store's. One of another unit is refused.
     fn scan_of(&self, path: &Path) -> Result<Scan, WorkflowError> {
         let mut options = OpenOptions::default();
         (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
-        Ok(Scan::open_with(path, &options)?)
+        Scan::open_with(path, &options).map_err(|error| match error {
+            // The unit that is asked for is the store's. The user asked for nothing.
+            ReadError::UnitConflict { path, stated, asked } => {
+                let problem = "its views cannot be taken into the store";
+                let units = GrowError::OtherUnit { there: asked, here: stated };
+                WorkflowError::unusable(&path, problem)(units)
+            }
+            error => error.into(),
+        })
     }
 
     /// The view of a name in a scan of [`Self::scan_of`].

@@ -177,6 +177,8 @@ fn what_is_refused_says_why_and_changes_nothing() {
     folder.edit_json("scan/scan.json", "scan/mm.json", |m| m["unit"] = "mm".into());
     let units = ["s.transect", "the store is in m and the scan in mm", "make another store"];
     grow(&folder, "scan/mm.json").failed_with(1, &units);
+    let replaced = folder.run("replace-view s.transect range_000.npy scan/mm.json");
+    replaced.failed_with(1, &["mm.json: its views cannot be taken", units[1], units[2]]);
     folder
         .edit_json("scan/scan.json", "scan/moved.json", |m| m["views"][1]["pose"][3] = 9.0.into());
     grow(&folder, "scan/moved.json").failed_with(1, &["range_001.npy", "another pose"]);
@@ -294,6 +296,14 @@ fn a_store_grows_along_any_normal() {
     let first = grow(&folder, "scan --views 0 --normal 1,1,0 --interval 100mm");
     assert_eq!(first.succeeded().number("views added"), 1.0);
     assert_eq!(grow(&folder, "scan --views 1").succeeded().number("views added"), 1.0);
+}
+
+#[test]
+fn replacing_a_view_tells_the_notes_of_its_scan() {
+    let folder = stored();
+    folder.edit_json("scan/scan.json", "scan/noted.json", |m| m["colour"] = "red".into());
+    let replaced = folder.run("replace-view s.transect range_000.npy scan/noted.json").succeeded();
+    assert!(replaced.stderr.contains("colour"), "{}", replaced.stderr);
 }
 
 #[test]
