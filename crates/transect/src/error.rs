@@ -35,9 +35,10 @@ pub enum ReconstructError {
     #[error(
         "no section plane crosses the surfaces of the scan (views: {views}). By their ranges \
          they lie somewhere within the stations {} to {} {unit}; check the unit, the depth scale, \
-         the offset and interval of the planes, and the rule for range jumps",
+         the offset and interval of the planes, and the rule for range jumps{}",
         digits(*low),
-        digits(*high)
+        digits(*high),
+        offset_between(*low, *high, *has_plane)
     )]
     Nothing {
         /// How many views there were.
@@ -46,6 +47,8 @@ pub enum ReconstructError {
         low: f64,
         /// Highest station of the views' points.
         high: f64,
+        /// Whether a plane lies between these stations.
+        has_plane: bool,
         /// The model's unit.
         unit: LengthUnit,
     },
@@ -101,4 +104,18 @@ pub enum ReconstructError {
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// Advice on an offset where no plane lies between the lowest and the highest station.
+fn offset_between(low: f64, high: f64, has_plane: bool) -> String {
+    let extent = high - low;
+    if has_plane || !(extent.is_finite() && extent > 0.0) {
+        return String::new();
+    }
+    let decimals = (1.0 - extent.log10().floor()).clamp(0.0, 12.0) as usize;
+    format!(
+        ". No plane lies between these stations; the setting `offset` {:.decimals$} puts a plane \
+         in their middle",
+        0.5 * (low + high)
+    )
 }

@@ -209,5 +209,7 @@ pub(crate) fn no_curves<'a>(
     }
     let low = reports.clone().map(|v| v.stations[0]).fold(f64::INFINITY, f64::min);
     let high = reports.map(|v| v.stations[1]).fold(f64::NEG_INFINITY, f64::max);
-    ReconstructError::Nothing { views, low, high, unit: setup.unit }
+    let planes = &setup.planes;
+    let has_plane = planes.station(planes.first_at_or_above(low)) <= high;
+    ReconstructError::Nothing { views, low, high, has_plane, unit: setup.unit }
 }

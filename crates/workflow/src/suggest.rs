@@ -7,7 +7,8 @@
 //!    the box around all points.
 //! 2. The **interval** is a round number: at least [`PIXELS_PER_INTERVAL`] pixels, and at least a
 //!    [`MOST_PLANES`]th of the extent along the normal.
-//! 3. The **offset** keeps the planes away from faces that are parallel to them.
+//! 3. The **offset** puts a plane within the extent along the normal. It keeps the planes away from
+//!    faces that are parallel to them.
 
 use crate::survey::{SensorClass, ViewSurvey};
 use crate::table::Quantity;
@@ -57,6 +58,10 @@ const TRIED: usize = 400;
 
 /// Places of plane 0 that are tried within an interval, best ones first, in tenths of it.
 const PHASES: [u8; 10] = [5, 4, 6, 3, 7, 2, 8, 1, 9, 0];
+
+/// Share of the extent at each end in which a plane does not count as crossing it. Chosen by hand:
+/// floors and ceilings end the extent of a room. Doubled, some large intervals take the middle.
+const MARGIN: f64 = 0.05;
 
 /// Planes that fit a scan, and the reason for their direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,11 +164,16 @@ fn surface(views: &[ViewSurvey]) -> impl Iterator<Item = &(Point3, Vector3)> {
     views.iter().flat_map(|view| &view.surface)
 }
 
+/// The ends of the points along a direction, without [`TAIL`].
+fn ends(views: &[ViewSurvey], along: &Vector3) -> [f64; 2] {
+    let stations: Vec<f64> = surface(views).map(|(p, _)| p.coords.dot(along)).collect();
+    [TAIL, 1.0 - TAIL].map(|share| quantile(stations.clone(), share).unwrap_or(0.0))
+}
+
 /// The extent of the points along a direction, without [`TAIL`].
 fn extent(views: &[ViewSurvey], along: &Vector3) -> f64 {
-    let stations: Vec<f64> = surface(views).map(|(p, _)| p.coords.dot(along)).collect();
-    let ends = [TAIL, 1.0 - TAIL].map(|share| quantile(stations.clone(), share).unwrap_or(0.0));
-    ends[1] - ends[0]
+    let [low, high] = ends(views, along);
+    high - low
 }
 
 /// The direction that is up in the world, and the reason for it.
@@ -263,22 +273,51 @@ fn round_up(length: f64) -> f64 {
     candidates.into_iter().map(number).find(fits).unwrap_or(length)
 }
 
-/// The place of plane 0, in tenths of the interval, at which planes hit the fewest points of faces
-/// that are parallel to them.
+/// The place of plane 0. Of the tenths of the interval at which a plane crosses the extent, it is
+/// the one at which planes hit the fewest points of faces that are parallel to them. A large
+/// interval may have no such tenth; then it is the middle of the extent.
 fn offset(views: &[ViewSurvey], along: &Vector3, interval: f64) -> f64 {
+    let [low, high] = ends(views, along);
+    // Without an extent, any place will do.
+    let crosses = |phase: &u8| high <= low || is_crossed([low, high], tenths(*phase), interval);
+    let hits = hits(views, along, interval);
+    // A face within a tenth of the interval counts for the places on both sides.
+    let cost = |phase: &u8| {
+        let k = usize::from(*phase);
+        hits[k] + hits[(k + 1) % 10] + hits[(k + 9) % 10]
+    };
+    let best = PHASES.into_iter().filter(crosses).min_by_key(cost);
+    best.map_or_else(|| middle(low, high), |phase| interval * tenths(phase))
+}
+
+/// A place within an interval, as a share of it.
+fn tenths(phase: u8) -> f64 {
+    f64::from(phase) / 10.0
+}
+
+/// For each tenth of the interval, the points there of faces that are parallel to the planes.
+fn hits(views: &[ViewSurvey], along: &Vector3, interval: f64) -> [usize; 10] {
     let level = surface(views).filter(|(_, normal)| normal.dot(along).abs() > ONE_GROUP);
     let mut hits = [0_usize; 10];
     for (point, _) in level {
         let tenth = (10.0 * (point.coords.dot(along) / interval).rem_euclid(1.0)).round();
         hits[tenth as usize % 10] += 1;
     }
-    // A face within a tenth of the interval counts for the places on both sides.
-    let cost = |phase: u8| {
-        let k = usize::from(phase);
-        hits[k] + hits[(k + 1) % 10] + hits[(k + 9) % 10]
-    };
-    let best = PHASES.into_iter().min_by_key(|phase| cost(*phase)).unwrap_or(5);
-    interval * f64::from(best) / 10.0
+    hits
+}
+
+/// Whether a plane lies between two stations and not near them, where faces often are. `part` is
+/// the place of plane 0 as a share of the interval.
+fn is_crossed([low, high]: [f64; 2], part: f64, interval: f64) -> bool {
+    let margin = MARGIN * (high - low);
+    let first = ((low + margin) / interval - part).ceil() + part;
+    first * interval <= high - margin
+}
+
+/// The middle between two stations as few digits.
+fn middle(low: f64, high: f64) -> f64 {
+    let step = round_up((high - low) / 20.0);
+    ((low + high) / (2.0 * step)).round() * step
 }
 
 #[cfg(test)]
@@ -387,6 +426,24 @@ mod tests {
         let (normal, reason) = upward(&[turned(x)]);
         assert_eq!(normal, [0.0, 1.0, 0.0]);
         assert!(reason.unwrap().starts_with("the longest side"), "{reason:?}");
+    }
+
+    /// The room is 2.5 m high.
+    #[test]
+    fn a_plane_crosses_the_scan_whatever_the_interval() {
+        for height in [0.0, 310.0, -7.3] {
+            let world = Isometry3::translation(0.0, 0.0, height);
+            let views = [scanner(world)];
+            for interval in [0.1, 1.0, 3.0, 5.0, 10.0, 20.0, 25.0, 100.0, 1e6] {
+                let offset = offset(&views, &Vector3::z(), interval);
+                let first = offset + ((height + 0.02 - offset) / interval).ceil() * interval;
+                let told = format!("{height}, {interval}: {offset}, {first}");
+                assert!(first < height + 2.48, "{told}");
+            }
+        }
+        // Far larger than the room: its middle, as few digits.
+        let far = [scanner(Isometry3::translation(0.0, 0.0, 311.0))];
+        assert_eq!(plain_length(offset(&far, &Vector3::z(), 1e4), LengthUnit::Metre), "312.2m");
     }
 
     #[test]

@@ -197,6 +197,26 @@ fn planes_in_faces_are_told() {
     assert_eq!(run("0 --crop ,,,,0.1,"), "");
 }
 
+/// The room is 2.8 m high.
+#[test]
+fn a_plane_crosses_the_room_whatever_the_interval() {
+    let folder = Folder::empty();
+    folder.run("simulate room --out scan").succeeded();
+    folder.edit_json("scan/scan.json", "scan/scan.json", |scan| {
+        scan.as_object_mut().unwrap().remove("planes");
+    });
+    for interval in ["5m", "10m", "100m"] {
+        let run = folder.reconstruct(&format!("scan --interval {interval} --no-score"));
+        assert!(run.succeeded().stderr.contains(&format!("--interval {interval}")));
+    }
+    let missed = "scan --normal 0,0,1 --offset 10 --interval 20 --no-score";
+    let run = folder.reconstruct(missed);
+    run.failed_with(1, &["no section plane crosses", "No plane lies between these stations"]);
+    let (_, advice) = run.stderr.split_once("; --offset ").unwrap();
+    let advice: String = advice.split_whitespace().take(1).collect();
+    folder.reconstruct(&missed.replace("--offset 10", &format!("--offset {advice}"))).succeeded();
+}
+
 /// A header with its two numbers exchanged makes neighbours of points that are far apart.
 #[test]
 fn exchanged_rows_and_columns_are_told() {
