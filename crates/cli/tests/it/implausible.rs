@@ -197,6 +197,24 @@ fn planes_in_faces_are_told() {
     assert_eq!(run("0 --crop ,,,,0.1,"), "");
 }
 
+/// The room is 2.8 m high, with its floor at 0.
+#[test]
+fn advice_to_move_planes_moves_them_within_the_scan() {
+    let folder = Folder::empty();
+    folder.run("simulate room --out scan").succeeded();
+    let run = |offset: &str, interval: &str| {
+        let options = format!("--normal 0,0,1 --interval {interval} --offset {offset} --no-score");
+        folder.reconstruct(&format!("scan {options}")).succeeded().stderr
+    };
+    for interval in ["5m", "10m", "100m"] {
+        let told = run("0", interval);
+        let (_, advice) =
+            told.split_once("such as by --offset ").unwrap_or_else(|| panic!("{told}"));
+        let told = run(advice.trim(), interval);
+        assert!(!told.contains("lies in a face"), "{interval}: {advice}: {told}");
+    }
+}
+
 /// The room is 2.8 m high.
 #[test]
 fn a_plane_crosses_the_room_whatever_the_interval() {
