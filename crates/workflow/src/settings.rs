@@ -59,7 +59,8 @@ pub struct PlaneSettings {
     pub guide: Option<GuideSettings>,
     /// Distance between neighbouring planes. Without it the scan's own.
     pub interval: Option<Length>,
-    /// Station of plane 0. Without it the scan's own, else 0.
+    /// Station of plane 0. Without it the scan's own if the planes have the scan's own direction,
+    /// else 0.
     pub offset: Option<Length>,
 }
 
@@ -160,7 +161,9 @@ impl PlaneSettings {
             None => own,
         };
         let interval = complete(interval, own.map(|p| p.interval));
-        let offset = complete(offset, own.map(|p| p.offset));
+        // Stations along another direction have nothing to do with the scan's own offset.
+        let is_along = |own: &&PlanesEntry| own.family().is_ok_and(|own| *own.guide() == guide);
+        let offset = complete(offset, own.filter(is_along).map(|p| p.offset));
         let interval = interval.ok_or(WorkflowError::NoInterval)?;
         Ok((PlaneFamily::new(guide, offset.unwrap_or(0.0), interval)?, notes))
     }
@@ -212,6 +215,29 @@ impl GuideSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A floor plan's height is no station along a tunnel.
+    #[test]
+    fn the_scans_own_offset_holds_along_its_own_direction_only() {
+        let own = PlanesEntry::new([0.0, 0.0, 2.0], 310.2, 0.1);
+        let offset = |settings: &PlaneSettings| {
+            let family = settings.family(LengthUnit::Metre, Some(&own)).unwrap();
+            assert_eq!(family.interval(), 0.1);
+            family.offset()
+        };
+        let along = |x, y, z| PlaneSettings { normal: Some([x, y, z]), ..Default::default() };
+        assert_eq!(offset(&PlaneSettings::default()), 310.2);
+        assert_eq!(offset(&along(0.0, 0.0, 1.0)), 310.2);
+        assert_eq!(offset(&along(1.0, 0.0, 0.0)), 0.0);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("axis.csv");
+        std::fs::write(&path, "0,0,0\n10,0,0\n20,1,0\n").unwrap();
+        let guide = GuideSettings { path, polyline: false, radius: None, reach: None };
+        let mut settings = PlaneSettings { guide: Some(guide), ..Default::default() };
+        assert_eq!(offset(&settings), 0.0);
+        settings.offset = Some("1m".parse().unwrap());
+        assert_eq!(offset(&settings), 1.0);
+    }
 
     #[test]
     fn what_was_seen_through_is_kept_on_request_and_where_a_store_keeps_it() {

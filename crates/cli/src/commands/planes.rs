@@ -38,7 +38,8 @@ pub struct PlaneArguments {
     /// Distance between neighbouring planes [default: the scan's own, else suggested].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     interval: Option<String>,
-    /// Station of plane 0 [default: the scan's own, else suggested with them, else 0].
+    /// Station of plane 0 [default: the scan's own along its own normal or guide, else suggested
+    /// with them, else 0].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     offset: Option<String>,
 }
