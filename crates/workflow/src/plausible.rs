@@ -9,9 +9,10 @@ use crate::samples::{Sample, pixel_spacing, reach, samples};
 use crate::selection::Limits;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use transect::register::PoseReading;
 use transect_device::{Note, Pixel, Vector3, View, median};
-use transect_exchange::Scan;
-use transect_geometry::LengthUnit;
+use transect_exchange::{Scan, ScanView};
+use transect_geometry::{Isometry3, LengthUnit};
 
 /// Most planes between two neighbouring pixels. Interpolation between pixels resolves a tenth of
 /// their distance at best, so denser planes show nothing new. Doubled, a depth image in millimetres
@@ -256,10 +257,12 @@ impl Plausibility {
     }
 
     /// Looks at a few views of a scan, with which every view is compared later, and checks the scan
-    /// as a whole. `of_view` is the caller's own look at the points within the limits.
+    /// as a whole. `reading` is the convention of the poses, if the user stated one. `of_view` is
+    /// the caller's own look at the points within the limits.
     pub(crate) fn look_at<T: Send>(
         &mut self,
         scan: &Scan,
+        reading: Option<PoseReading>,
         limits: &Limits,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<Looked<T>, WorkflowError> {
@@ -276,7 +279,7 @@ impl Plausibility {
             })
             .collect();
         let (looks, seen): (Vec<Look>, Vec<_>) = seen.into_iter().unzip();
-        self.check_scan(scan, &looks)?;
+        self.check_scan(scan, reading, &looks)?;
         let (found, kept): (_, Vec<_>) = seen.into_iter().unzip();
         Ok(Looked { kept: kept.into_iter().flatten().collect(), found })
     }
@@ -284,11 +287,16 @@ impl Plausibility {
     /// Checks that the sensors of a scan are near enough to each other to see one surface. A camera
     /// that all of them share must belong to images of their size. `looks` are those at the views
     /// of [`looked_numbers`]; they tell the pixel distance with which every view is compared later.
-    pub(crate) fn check_scan(&mut self, scan: &Scan, looks: &[Look]) -> Result<(), WorkflowError> {
+    pub(crate) fn check_scan(
+        &mut self,
+        scan: &Scan,
+        reading: Option<PoseReading>,
+        looks: &[Look],
+    ) -> Result<(), WorkflowError> {
         let spacings: Vec<f64> = looks.iter().filter_map(|look| look.spacing).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
         let farthest = looks.iter().map(|look| look.reach).fold(0.0, f64::max);
-        self.check_distances(scan, farthest)?;
+        self.check_distances(&scan.views, reading, farthest)?;
         let cameras: Option<Vec<Camera>> = looks.iter().map(|look| look.camera).collect();
         match cameras {
             Some(cameras) if !self.accepted.contains(&Check::Camera) => {
@@ -300,23 +308,21 @@ impl Plausibility {
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is
     /// known.
-    fn check_distances(&self, scan: &Scan, known: f64) -> Result<(), WorkflowError> {
-        let sensors = scan.views.iter().map(|v| v.world_from_sensor().translation.vector);
-        let sensors: Vec<_> = sensors.collect();
-        let others = |k: usize| sensors.iter().skip(k + 1);
-        let pairs = (0..sensors.len()).flat_map(|k| others(k).map(move |b| (k, b)));
-        let nearest = pairs.map(|(k, b)| (sensors[k] - b).norm()).fold(f64::INFINITY, f64::min);
-        if self.accepted.contains(&Check::Distance) || nearest.is_infinite() {
-            return Ok(());
-        }
+    fn check_distances(
+        &self,
+        views: &[ScanView],
+        reading: Option<PoseReading>,
+        known: f64,
+    ) -> Result<(), WorkflowError> {
+        let Some((nearest, pair)) = nearest_pair(views) else { return Ok(()) };
         // Views share a surface only if both sensors reach it. One view is enough to pass, so the
         // others are rarely loaded. A view that cannot be loaded is reported later.
         // Views without neighbouring pixels have no known reach.
         let mut farthest = known;
-        if farthest == 0.0 {
+        if self.accepted.contains(&Check::Distance) || farthest == 0.0 {
             return Ok(());
         }
-        let mut others = scan.views.iter();
+        let mut others = views.iter();
         while nearest > 2.0 * farthest {
             let Some(view) = others.next() else { break };
             farthest = farthest.max(view.load().map_or(f64::MAX, |(view, _)| reach(&view)));
@@ -324,15 +330,45 @@ impl Plausibility {
         if nearest <= 2.0 * farthest {
             return Ok(());
         }
-        let unit = self.unit;
+        let (unit, [first, second]) = (self.unit, pair.map(ScanView::name));
         Check::Distance.refuse(format!(
-            "the two nearest of the {} sensors are {nearest:.4} {unit} apart, but no view reaches \
-             farther than {farthest:.4} {unit}, so no surface is seen twice. Check that poses and \
-             images are in the same unit: --pose-convention millimetres reads positions in \
-             millimetres beside images in metres.",
-            sensors.len()
+            "the two nearest of the {} sensors are {nearest:.4} {unit} apart: those of views {first} \
+             and {second}. No view reaches farther than {farthest:.4} {unit}, so no surface is seen \
+             twice. {}",
+            views.len(),
+            distance_advice(pair, reading, unit)
         ))
     }
+}
+
+/// The two views whose sensors are nearest to each other, and the distance; `None` for one view.
+fn nearest_pair(views: &[ScanView]) -> Option<(f64, [&ScanView; 2])> {
+    let place = |view: &ScanView| view.world_from_sensor().translation.vector;
+    let places: Vec<Vector3> = views.iter().map(place).collect();
+    let pairs = (0..views.len()).flat_map(|k| (k + 1..views.len()).map(move |other| (k, other)));
+    let distances = pairs.map(|(a, b)| ((places[a] - places[b]).norm(), [&views[a], &views[b]]));
+    distances.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The likely causes of sensors that are too far from each other. `reading` is the convention of
+/// the poses, if the user stated one.
+fn distance_advice(pair: [&ScanView; 2], reading: Option<PoseReading>, unit: LengthUnit) -> String {
+    let is_unposed = |view: &&ScanView| *view.world_from_sensor() == Isometry3::identity();
+    let check = pair.into_iter().find(is_unposed).map_or_else(|| "Check".to_owned(), |view| {
+        let name = view.name();
+        format!(
+            "View {name} has no pose, it seems, since its pose is the identity. Register it, or \
+             leave it out by the setting `views`. Else check"
+        )
+    });
+    let convention = match (reading, unit) {
+        (None, LengthUnit::Metre) => {
+            ": the setting `pose_convention` millimetres reads positions in millimetres beside \
+             images in metres"
+        }
+        _ => "",
+    };
+    format!("{check} that poses and images are in the same unit{convention}.")
 }
 
 fn check_angles(view: &View) -> Result<(), WorkflowError> {

@@ -99,7 +99,12 @@ impl OpenScan {
         let (setup, notes) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings);
         let faces = |view: &View| InFaces::of(view, &setup.planes);
-        let (views, faces) = self.looked_at(prefix, settings.plausibility(&setup), faces)?;
+        let mut plausibility = settings.plausibility(&setup);
+        if has_views(store)? {
+            // The new views may see the surfaces of the store's views, instead of each other's.
+            plausibility.accepted.push(Check::Distance);
+        }
+        let (views, faces) = self.looked_at(prefix, plausibility, faces)?;
         let Grown { mut reconstruction, views_present, planes_fused } =
             grow(store, &views, &setup, watch)?;
         let notes = notes.into_iter().chain(in_faces(&faces, &setup.planes));
@@ -179,7 +184,8 @@ impl OpenScan {
         mut plausibility: Plausibility,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<(Vec<FileView<'_>>, Vec<T>), WorkflowError> {
-        let Looked { kept, found } = plausibility.look_at(self.scan(), &self.limits, of_view)?;
+        let Looked { kept, found } =
+            plausibility.look_at(self.scan(), self.reading, &self.limits, of_view)?;
         let mut read: BTreeMap<_, _> = kept.into_iter().collect();
         let view = |(k, view)| {
             let view = origin(view, self.path(), plausibility.clone());
@@ -230,6 +236,11 @@ impl OpenScan {
             truth,
         })
     }
+}
+
+/// Whether a store exists and has views.
+fn has_views(store: &Path) -> Result<bool, WorkflowError> {
+    Ok(store.exists() && !crate::read_store(store)?.read()?.views()?.is_empty())
 }
 
 impl Run<'_> {

@@ -115,7 +115,7 @@ impl OpenScan {
         let mut checks = self.checks();
         let looks = looked_numbers(numbers.len()).into_iter();
         let looks = looks.filter_map(|k| surveyed.get(k)?.as_ref().ok()?.look.clone());
-        let whole = checks.check_scan(scan, &looks.collect::<Vec<_>>());
+        let whole = checks.check_scan(scan, self.reading, &looks.collect::<Vec<_>>());
         for view in surveyed.iter_mut().flatten().filter(|view| view.refusal.is_none()) {
             view.refusal = checks.check_extent(view.spacing).err().map(|e| e.to_string());
         }

@@ -40,7 +40,11 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
                 m["views"][1]["depth_scale"] = json!(0.001);
             },
             "distance",
-            &["nearest of the 2 sensors are 900.0000 m apart", "same unit"],
+            &[
+                "nearest of the 2 sensors are 900.0000 m apart: those of views wall.npy and wall.png",
+                "twice. View wall.npy has no pose, it seems",
+                "same unit: --pose-convention millimetres",
+            ],
         ),
     ];
     for (spoil, check, texts) in cases {
@@ -69,6 +73,24 @@ fn inspection_warns(folder: &Folder, scan: &str, texts: &[&str]) {
     let inspected = folder.run(&format!("inspect {scan}")).succeeded();
     let warnings = inspected.told("warning: reconstruct stops").join("\n");
     assert!(texts.iter().all(|text| warnings.contains(text)), "{texts:?}: {}", inspected.stderr);
+}
+
+/// Two new views far from each other, on both sides of the store's view.
+#[test]
+fn views_of_a_store_count_as_neighbours_of_new_ones() {
+    let mut manifest = manifest();
+    let folder = scan_of(&manifest);
+    let add = |scan: &str| folder.reconstruct(&format!("{scan} --store s.transect"));
+    let mut other = manifest["views"][0].clone();
+    (other["file"], other["depth_scale"]) = (json!("wall.png"), json!(0.001));
+    (manifest["views"][0]["pose"][3], other["pose"][3]) = (json!(-9.0), json!(9.0));
+    manifest["views"].as_array_mut().unwrap().push(other);
+    folder.write("both.json", serde_json::to_vec(&manifest).unwrap());
+    let alone = ["18.0000 m apart: those of views wall.npy and wall.png", "twice. Check that"];
+    add("both.json --prefix new-").failed_with(1, &alone);
+    add("scan.json").succeeded();
+    let run = add("both.json --prefix new-").succeeded();
+    assert_eq!((run.number("views added"), run.number("views")), (2.0, 3.0));
 }
 
 #[test]
