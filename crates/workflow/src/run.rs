@@ -18,7 +18,7 @@ use transect::register::Reading;
 use transect::{Reconstruction, RefinementReport, Report, Setup, ViewReport, Watch, reconstruct};
 use transect_device::{Note, View};
 use transect_exchange::{DxfFrame, Scan};
-use transect_geometry::{Guide, GuideKind, LengthUnit};
+use transect_geometry::{CurvedGuide, Guide, GuideKind, LengthUnit};
 
 /// A model that was made of a scan, and what its results will say about it.
 #[derive(Debug)]
@@ -295,19 +295,33 @@ fn pixels(report: &Report, count: impl Fn(&ViewReport) -> usize) -> usize {
 
 /// The note for pixels that are left out because the planes of a guide may cross there.
 fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
-    let usable = setup.planes.guide().curved()?.usable_distance();
+    let guide = setup.planes.guide().curved()?;
     let left_out = pixels(report, |v| v.beyond_guide_reach) as f64;
     let share = left_out / pixels(report, |v| v.read_pixels).max(1) as f64;
+    let radius = match is_radius_binding(guide) {
+        true => ", or a larger value of the setting `guide_radius`",
+        false => "",
+    };
     (share >= TOLD_BEYOND).then(|| {
         format!(
             "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
-             planes may cross there; give a guide with wider bends, or a polyline with a larger value \
-             of the setting `guide_radius`",
+             planes may cross there; give a guide with wider bends{radius}",
             digits(100.0 * share),
-            digits(usable),
+            digits(guide.usable_distance()),
             setup.unit
         )
     })
+}
+
+/// Whether the largest radius that a user gave makes the bends of a polyline narrower.
+fn is_radius_binding(guide: &CurvedGuide) -> bool {
+    if !matches!(guide.kind(), GuideKind::Polyline(Some(_))) {
+        return false;
+    }
+    // Equal radii give equal distances but for rounding.
+    let usable = guide.usable_distance() * (1.0 + 1e-9);
+    let widest = CurvedGuide::polyline(guide.points().to_vec(), None);
+    widest.is_ok_and(|widest| widest.usable_distance() > usable)
 }
 
 fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
@@ -399,4 +413,20 @@ fn refinement_rows(refinement: &RefinementReport, unit: LengthUnit) -> [Row; 4] 
         Row::plain("planes inserted", refinement.planes_inserted),
         Row::plain("intervals still above the tolerance", refinement.intervals_above_tolerance),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::Point3;
+
+    #[test]
+    fn a_larger_radius_is_advised_only_where_it_helps() {
+        let points = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)].map(|(x, y)| Point3::new(x, y, 0.0));
+        let polyline = |radius| CurvedGuide::polyline(points.to_vec(), radius).unwrap();
+        assert!(is_radius_binding(&polyline(Some(2.0))));
+        assert!(!is_radius_binding(&polyline(Some(50.0))), "there is room for less");
+        assert!(!is_radius_binding(&polyline(None)));
+        assert!(!is_radius_binding(&CurvedGuide::spline(points.to_vec()).unwrap()));
+    }
 }

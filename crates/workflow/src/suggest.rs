@@ -109,8 +109,9 @@ impl OpenScan {
         let reason = suggestion.reason.map_or(String::new(), |r| format!(" The normal is {r}."));
         let note = Note::new(format!(
             "neither the scan nor the options state all planes; suggested planes are used: {}.\
-             {reason} Pass --normal X,Y,Z, --offset LENGTH and --interval LENGTH for others",
-            suggestion.options()
+             {reason} Pass {} for others",
+            suggestion.options(),
+            open_options(&settings.planes)
         ));
         self.set_planes(suggestion.planes, note.clone());
         Ok(note)
@@ -156,6 +157,22 @@ impl OpenScan {
         let reason = reason.filter(|_| curved.is_none());
         planes.guide = curved;
         Ok(Suggestion { planes, reason, unit })
+    }
+}
+
+/// The options that state what the settings leave open. A guide takes the place of a normal.
+fn open_options(settings: &PlaneSettings) -> String {
+    let has_direction = settings.normal.is_some() || settings.guide.is_some();
+    let options = [
+        (!has_direction, "--normal X,Y,Z"),
+        (settings.offset.is_none(), "--offset LENGTH"),
+        (settings.interval.is_none(), "--interval LENGTH"),
+    ];
+    let options = options.into_iter().filter(|(is_open, _)| *is_open).map(|(_, option)| option);
+    let options: Vec<&str> = options.collect();
+    match options.as_slice() {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => options.concat(),
     }
 }
 
@@ -444,6 +461,22 @@ mod tests {
         // Far larger than the room: its middle, as few digits.
         let far = [scanner(Isometry3::translation(0.0, 0.0, 311.0))];
         assert_eq!(plain_length(offset(&far, &Vector3::z(), 1e4), LengthUnit::Metre), "312.2m");
+    }
+
+    #[test]
+    fn advice_names_the_open_settings_only() {
+        let options = |normal: Option<[f64; 3]>, interval: Option<&str>| {
+            let interval = interval.map(|text| text.parse().unwrap());
+            open_options(&PlaneSettings { normal, interval, ..PlaneSettings::default() })
+        };
+        let all = "--normal X,Y,Z, --offset LENGTH and --interval LENGTH";
+        assert_eq!(options(None, None), all);
+        assert_eq!(options(None, Some("1m")), "--normal X,Y,Z and --offset LENGTH");
+        assert_eq!(options(Some([0.0, 0.0, 1.0]), None), "--offset LENGTH and --interval LENGTH");
+        let (path, radius, reach) = ("axis.csv".into(), None, None);
+        let guide = Some(crate::GuideSettings { path, polyline: false, radius, reach });
+        let guided = PlaneSettings { guide, offset: "1m".parse().ok(), ..PlaneSettings::default() };
+        assert_eq!(open_options(&guided), "--interval LENGTH");
     }
 
     #[test]
