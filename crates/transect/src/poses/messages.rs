@@ -238,9 +238,13 @@ impl PoseReport {
         let cause = if one_pose {
             "All have the same pose, as if they had never been registered. Register them with the \
              scanner's program, and export the poses too"
+                .to_owned()
         } else {
-            "No view stands out. Check that the poses belong to this scan, and their convention \
-             (the setting `pose_convention`)"
+            format!(
+                "No view stands out. Check that the poses belong to this scan, and their \
+                 convention ({})",
+                self.other_convention()
+            )
         };
         format!(
             "the {count} views contradict each other: {share} of the surface that the median view \
@@ -268,10 +272,21 @@ impl PoseReport {
                 }
             ),
             None => format!(
-                "No nearby pose agrees: check its pose and its convention (the setting \
-                 `pose_convention`), or {}",
+                "No nearby pose agrees: check its pose and its convention ({}), or {}",
+                self.other_convention(),
                 self.leave_it_out()
             ),
+        }
+    }
+
+    /// How poses are read by another convention. A store's commands read its scans as they are.
+    fn other_convention(&self) -> &'static str {
+        match self.in_store {
+            true => {
+                "for another one, write the scan anew with transect register SCAN \
+                 --pose-convention NAME --out DIR, and then run transect replace-view"
+            }
+            false => "the setting `pose_convention`",
         }
     }
 
@@ -386,6 +401,33 @@ fn hint_of_even_error(offsets: &DepthOffsets, distance: f64) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use transect_register::{Judgement, Misplaced};
+
+    /// A store's commands refuse the option that reads poses by another convention.
+    #[test]
+    fn a_store_reads_poses_anew_from_a_scan_that_is_written_anew() {
+        let (view, motion) = ("a".to_owned(), None);
+        let found = Misplaced { view, contradicting: 0.5, usual: 0.1, against: 3, motion };
+        let all = Finding::All { contradicting: 0.5, one_pose: false };
+        for finding in [Finding::Misplaced(found), all] {
+            let told = |in_store| {
+                let judgement = Judgement {
+                    findings: vec![finding.clone()],
+                    views: Vec::new(),
+                    usual_distance: 0.01,
+                };
+                let (unit, found_reading, refinement) = (LengthUnit::Metre, None, None);
+                PoseReport { unit, found_reading, judgement, refinement, in_store }
+                    .warnings()
+                    .concat()
+            };
+            assert!(told(false).contains("(the setting `pose_convention`)"), "{}", told(false));
+            let anew = "transect register SCAN --pose-convention NAME --out DIR";
+            let told = told(true);
+            assert!(!told.contains("the setting") && told.contains(anew), "{told}");
+            assert!(told.contains("transect replace-view"), "{told}");
+        }
+    }
 
     #[test]
     fn an_even_error_of_the_camera_points_to_the_place_of_the_sensor() {
