@@ -38,6 +38,10 @@ const PIECES_PER_INTERVAL: f64 = 2.0;
 /// double.
 const RAYS: u64 = 300_000;
 
+/// Incidence in degrees at which every place in sight of a surface sees it. Theory: below 90, where
+/// the surface is seen edge-on. Doubling has no meaning.
+const GRAZING: f64 = 89.9;
+
 /// The gaps of a model.
 #[derive(Default)]
 struct Missing {
@@ -178,10 +182,9 @@ fn propose(
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
     let found = next_views(&patches, &space, &options);
     if found.is_empty() {
-        say(
-            "\nNo place in the free space that the views looked through would see more of that. A \
-             view far from all others makes that space too coarse: check its pose, or remove it.",
-        );
+        let any_incidence = NextViewOptions::new(1, GRAZING.to_radians(), reach);
+        let is_limited = !next_views(&patches, &space, &any_incidence).is_empty();
+        say(&no_views(is_limited.then_some(arguments.incidence)));
         return Ok(());
     }
     say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
@@ -196,6 +199,23 @@ fn propose(
     let area = format!("area, {}²", lengths.unit);
     print_grid(&[&at, &to, &area, "of the unseen, %"], &lines);
     Ok(())
+}
+
+/// Why no view is proposed. `limiting` is the largest incidence, in degrees, if a larger one would
+/// give proposals.
+fn no_views(limiting: Option<f64>) -> String {
+    let cause = match limiting {
+        Some(degrees) => format!(
+            " at an incidence of {degrees}° or less. Places at a larger one do: pass a larger \
+             --incidence."
+        ),
+        None => ". A view far from all others makes that space too coarse: check its pose, or \
+                 remove it."
+            .to_owned(),
+    };
+    format!(
+        "\nNo place in the free space that the views looked through would see more of that{cause}"
+    )
 }
 
 /// Rays from each view's sensor to its nodes on the planes, evenly thinned.

@@ -25,6 +25,11 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_model(&arguments.scan) {
+        if !arguments.open.is_empty() {
+            let problem = "a model is inspected as it is; leave out the options that open a scan \
+                           or choose a part of it";
+            return Err(Failure::Usage(problem.to_owned()));
+        }
         return inspect_model::run(&arguments.scan);
     }
     let scan = arguments.open.open(&arguments.scan)?;

@@ -164,5 +164,12 @@ fn views_planes_and_guides_that_cannot_be_drawn_are_refused() {
     folder.write("axis.csv", "0,0,0\n0,0,1\n0,0.2,2\n");
     folder
         .run("explain scan --guide axis.csv --out a")
-        .failed_with(2, &["--guide", "parallel planes", "--normal"]);
+        .failed_with(2, &["--guide: ", "parallel planes", "--normal"]);
+    folder.edit_json("scan/scan.json", "scan/bend.json", |m| {
+        m["planes"] = serde_json::json!({ "offset": 0, "interval": 0.1,
+            "guide": { "kind": "spline", "points": [[0, 0, 0], [0, 0, 1], [0, 0.2, 2]] } });
+    });
+    folder
+        .run("explain scan/bend.json --out a")
+        .failed_with(2, &["--normal: ", "the scan's own planes follow a curve"]);
 }

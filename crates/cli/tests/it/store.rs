@@ -119,6 +119,24 @@ fn models_and_stores_answer_alike() {
     }
 }
 
+/// Options that a command would ignore are refused, and advice names the option that helps.
+#[test]
+fn options_of_a_store_are_told() {
+    let folder = stored();
+    for model in ["s.transect", "out"] {
+        let refused = ["a model is inspected as it is", "leave out the options"];
+        folder.run(&format!("inspect {model} --views 0")).failed_with(2, &refused);
+    }
+    let gaps = folder.run("gaps s.transect --incidence 0").succeeded();
+    assert!(gaps.stdout.contains("at an incidence of 0° or less"), "{}", gaps.stdout);
+    assert!(gaps.stdout.contains("pass a larger --incidence"), "{}", gaps.stdout);
+    folder.edit_json("scan/scan.json", "scan/other.json", |m| {
+        m["views"][0]["pose"][3] = serde_json::json!(0.1);
+    });
+    let refused = ["view range_000.npy", "with another pose", "--prefix", "--views"];
+    grow(&folder, "scan/other.json").failed_with(1, &refused);
+}
+
 #[test]
 fn reading_commands_leave_the_store_as_it_is() {
     let folder = stored();

@@ -37,8 +37,9 @@ pub enum GrowError {
     OtherSettings(String),
     /// The store has another view with the same id.
     #[error(
-        "view {id}: the store has a view of that name with {what}; replace that view, leave this \
-         one out (--views), or give it another name"
+        "view {id}: the store has a view of that name with {what}. If this is another scan, put \
+         a text before the names of its views (the setting `prefix`). Else replace that view, or \
+         leave this one out (the setting `views`)"
     )]
     OtherView {
         /// Its id.

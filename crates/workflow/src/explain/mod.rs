@@ -71,7 +71,7 @@ impl OpenScan {
         view: &str,
         plane: Option<i64>,
     ) -> Result<Explanation, WorkflowError> {
-        let setup = straight(settings.setup(self.scan())?)?;
+        let setup = straight(settings.setup(self.scan())?, settings.planes.guide.is_some())?;
         let views = self.views("", settings.plausibility(&setup))?;
         let number = number_of(&views, view)?;
         let chosen = load(&views[number])?;
@@ -127,7 +127,7 @@ impl OpenScan {
     ) -> Result<Explanation, WorkflowError> {
         let mut settings = settings.clone();
         settings.fusion.get_or_insert(FusionMethod::Pairwise(PairwiseOptions::default()));
-        let setup = straight(settings.setup(self.scan())?)?;
+        let setup = straight(settings.setup(self.scan())?, settings.planes.guide.is_some())?;
         let options = growth::options(&setup)?;
         let views = self.views("", settings.plausibility(&setup))?;
         let Some(first) = views.first() else {
@@ -189,14 +189,22 @@ fn curves_on(view: &View, setup: &Setup, plane: PlaneIndex) -> Result<Vec<Curve>
     })
 }
 
-/// Refuses curved guides: the figures show planes that are parallel.
-fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
+/// Refuses curved guides: the figures show planes that are parallel. `is_given` tells whether the
+/// settings have the guide, and not the scan.
+fn straight(setup: Setup, is_given: bool) -> Result<Setup, WorkflowError> {
     if setup.planes.guide().straight().is_some() {
         return Ok(setup);
     }
-    let problem = "the figures show parallel planes, and those of the scan, or of the setting \
-                   `guide`, follow a curve; give the setting `normal`, and `interval`";
-    Err(WorkflowError::setting("guide", problem))
+    let (setting, problem) = if is_given {
+        ("guide", "the planes follow a curve; give the setting `normal` in its place")
+    } else {
+        (
+            "normal",
+            "the scan's own planes follow a curve; give a normal, such as the setting `normal` \
+             0,0,1",
+        )
+    };
+    Err(WorkflowError::setting(setting, format!("the figures show parallel planes, and {problem}")))
 }
 
 fn off_plane(plane: PlaneIndex, view: &str, crossed: &RangeInclusive<i64>) -> WorkflowError {
