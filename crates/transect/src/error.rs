@@ -2,7 +2,7 @@
 
 use crate::evaluate::digits;
 use crate::{OptionError, SourceError};
-use transect_geometry::{GuideError, LengthUnit};
+use transect_geometry::{GuideError, LengthUnit, Point3};
 use transect_partial::PartialError;
 use transect_register::PriorError;
 
@@ -54,8 +54,13 @@ pub enum ReconstructError {
     },
     /// No plane along a curved guide crosses any view's surface.
     #[error(
-        "no section plane along the guide crosses the surfaces of the scan (views: {views}); \
-         {beyond_ends} of their pixels lie beyond its ends, {beyond_reach} too far from it"
+        "no section plane along the guide crosses the surfaces of the scan (views: {views}). \
+         {beyond_ends} of their pixels lie beyond its ends{}. The guide reaches over {} {unit}, the \
+         surfaces over {} {unit}. Check that both are in the same unit and in the same coordinate \
+         system",
+        too_far(*beyond_reach, *usable, *unit),
+        extent(&extents[0]),
+        extent(&extents[1])
     )]
     OffGuide {
         /// How many views there were.
@@ -64,6 +69,12 @@ pub enum ReconstructError {
         beyond_ends: usize,
         /// Pixels so far from it that its planes may cross there.
         beyond_reach: usize,
+        /// The distance from the guide up to which pixels count; infinite for a straight guide.
+        usable: f64,
+        /// Lowest and highest coordinates of the guide, and of the views' points.
+        extents: Box<[[Point3; 2]; 2]>,
+        /// The model's unit.
+        unit: LengthUnit,
     },
     /// Planes cross surfaces of the views, but no view has two crossings beside each other.
     #[error(
@@ -118,4 +129,19 @@ fn offset_between(low: f64, high: f64, has_plane: bool) -> String {
          in their middle",
         0.5 * (low + high)
     )
+}
+
+/// The pixels too far from a guide, in words; empty for a straight guide, from which none is.
+fn too_far(pixels: usize, usable: f64, unit: LengthUnit) -> String {
+    if usable.is_infinite() {
+        return String::new();
+    }
+    format!(", and {pixels} farther from it than the usable distance of {} {unit}", digits(usable))
+}
+
+/// Lowest and highest coordinates in words.
+fn extent([low, high]: &[Point3; 2]) -> String {
+    let along =
+        |k: usize| format!("{} {} to {}", ["x", "y", "z"][k], digits(low[k]), digits(high[k]));
+    [0, 1, 2].map(along).join(", ")
 }

@@ -9,7 +9,7 @@ use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
-use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, CurvedGuide, Guide, LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_partial::{PartialCounts, partial_model};
 use transect_register::CoarseView;
 
@@ -165,6 +165,7 @@ fn view_report(
         valid_pixels: view.image().valid_count(),
         read_pixels: counts.read,
         stations: stations(view, &setup.planes),
+        corners: setup.planes.guide().curved().and_then(|_| corners(view)),
         beyond_guide_ends: counts.beyond_ends,
         beyond_guide_reach: counts.beyond_reach,
         sigma: counts.sigma,
@@ -192,6 +193,17 @@ fn stations(view: &View, planes: &PlaneFamily) -> [f64; 2] {
     [sensor + low, sensor + high]
 }
 
+/// Lowest and highest coordinates of a view's points in the world; `None` without points.
+fn corners(view: &View) -> Option<[Point3; 2]> {
+    let points = view.image().size().all_pixels().filter_map(|pixel| view.point_in_sensor(pixel));
+    extent(points.map(|point| view.world_from_sensor() * point).map(|point| [point; 2]))
+}
+
+/// Lowest and highest coordinates of some boxes; `None` without one.
+fn extent(boxes: impl Iterator<Item = [Point3; 2]>) -> Option<[Point3; 2]> {
+    boxes.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])])
+}
+
 /// The error of a run in which no view has a curve, from the reports of all views.
 pub(crate) fn no_curves<'a>(
     reports: impl ExactSizeIterator<Item = &'a ViewReport> + Clone,
@@ -202,14 +214,31 @@ pub(crate) fn no_curves<'a>(
     if crossings > 0 {
         return ReconstructError::NoCurves { views, crossings };
     }
-    if setup.planes.guide().curved().is_some() {
-        let beyond_ends = reports.clone().map(|v| v.beyond_guide_ends).sum();
-        let beyond_reach = reports.map(|v| v.beyond_guide_reach).sum();
-        return ReconstructError::OffGuide { views, beyond_ends, beyond_reach };
+    if let Some(guide) = setup.planes.guide().curved() {
+        return off_guide(reports, guide, setup.unit);
     }
     let low = reports.clone().map(|v| v.stations[0]).fold(f64::INFINITY, f64::min);
     let high = reports.map(|v| v.stations[1]).fold(f64::NEG_INFINITY, f64::max);
     let planes = &setup.planes;
     let has_plane = planes.station(planes.first_at_or_above(low)) <= high;
     ReconstructError::Nothing { views, low, high, has_plane, unit: setup.unit }
+}
+
+/// The error of a run in which no plane of a curved guide crosses a view.
+fn off_guide<'a>(
+    reports: impl ExactSizeIterator<Item = &'a ViewReport> + Clone,
+    guide: &CurvedGuide,
+    unit: LengthUnit,
+) -> ReconstructError {
+    let nowhere = [Point3::origin(); 2];
+    let of_guide = extent(guide.points().iter().map(|point| [*point; 2])).unwrap_or(nowhere);
+    let of_views = extent(reports.clone().filter_map(|v| v.corners)).unwrap_or(nowhere);
+    ReconstructError::OffGuide {
+        views: reports.len(),
+        beyond_ends: reports.clone().map(|v| v.beyond_guide_ends).sum(),
+        beyond_reach: reports.map(|v| v.beyond_guide_reach).sum(),
+        usable: guide.usable_distance(),
+        extents: Box::new([of_guide, of_views]),
+        unit,
+    }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::time::Duration;
 use transect_device::{Note, median};
 use transect_fusion::pairwise::GrowthCounts;
-use transect_geometry::{Curve, LengthUnit};
+use transect_geometry::{Curve, LengthUnit, Point3};
 
 /// A run's report. Lengths are in the model's length unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -82,6 +82,9 @@ pub struct ViewReport {
     /// Lowest and highest station that its points can have. For a curved guide, the whole guide.
     #[serde(skip)]
     pub stations: [f64; 2],
+    /// Lowest and highest coordinates of its points in the world; `None` without a curved guide.
+    #[serde(skip)]
+    pub corners: Option<[Point3; 2]>,
     /// Pixels that were read beyond the ends of a curved guide, which are left out.
     #[serde(skip_serializing_if = "is_zero")]
     pub beyond_guide_ends: usize,

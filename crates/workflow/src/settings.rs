@@ -3,6 +3,7 @@
 //! A setting that is not given comes from the scan, or has a default. A [`Length`] has its own
 //! unit, or is in the scan's.
 
+use crate::table::digits;
 use crate::{Check, MethodSettings, Plausibility, PriorSettings, RefineSettings, WorkflowError};
 use std::mem::discriminant;
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ use transect_device::Note;
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
 use transect_fusion::FusionMethod;
 use transect_geometry::{
-    Guide, GuideKind, Length, LengthUnit, PlaneFamily, StraightGuide, Vector3,
+    Guide, GuideError, GuideKind, Length, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
 use transect_partial::Method;
 
@@ -205,10 +206,24 @@ impl GuideSettings {
                 let problem = format!("the reach must be a positive length, got {reach}");
                 return Err(WorkflowError::setting("guide_reach", problem));
             }
-            let unusable = WorkflowError::unusable(&self.path, "the guide cannot be used");
-            guide.require_usable_distance(reach).map_err(unusable)?;
+            guide.require_usable_distance(reach).map_err(|e| self.too_curved(e, unit))?;
         }
         Ok((guide.into(), notes))
+    }
+
+    /// The error of a guide whose planes cross within the reach, with the unit of its lengths.
+    fn too_curved(&self, error: GuideError, unit: LengthUnit) -> WorkflowError {
+        let GuideError::TooCurved { station, reach, usable, needed } = error else {
+            return WorkflowError::unusable(&self.path, "the guide cannot be used")(error);
+        };
+        let [station, reach, usable, needed] = [station, reach, usable, needed].map(digits);
+        let problem = format!(
+            "planes along the guide cross {reach} {unit} away from it, at station {station} {unit}. \
+             Points up to {usable} {unit} (0.9 of that) can be used, and {needed} {unit} is needed. \
+             Let the guide bend less sharply there, keep its parts farther apart, or ask for a \
+             smaller distance (the setting `guide_reach`)"
+        );
+        WorkflowError::file(&self.path, problem)
     }
 }
 

@@ -140,10 +140,14 @@ fn a_guide_elsewhere_says_what_became_of_the_pixels() {
     let points = [(200.0, 0.0), (204.0, 0.0), (204.0, 4.0)].map(|(x, y)| Point3::new(x, y, 0.0));
     let guide = CurvedGuide::polyline(points.to_vec(), Some(2.0)).unwrap();
     let setup = Setup::new(LengthUnit::Metre, PlaneFamily::new(guide, 0.0, 0.1).unwrap());
-    match reconstruct(&views, &setup, &Unwatched).unwrap_err() {
-        ReconstructError::OffGuide { views, beyond_ends, beyond_reach } => {
-            assert_eq!((views, beyond_ends + beyond_reach), (3, valid));
+    let error = reconstruct(&views, &setup, &Unwatched).unwrap_err();
+    match &error {
+        ReconstructError::OffGuide { views, beyond_ends, beyond_reach, .. } => {
+            assert_eq!((*views, beyond_ends + beyond_reach), (3, valid));
         }
         other => panic!("{other}"),
     }
+    let told = error.to_string();
+    let guide = "The guide reaches over x 200.0 to 204.0, y 0 to 4.000, z 0 to 0 m";
+    assert!(told.contains("usable distance of 1.800 m") && told.contains(guide), "{told}");
 }
