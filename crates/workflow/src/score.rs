@@ -10,7 +10,7 @@ use transect::evaluate::{
 };
 use transect_device::View;
 use transect_exchange::{Scan, TRUTH_FILE, TriangleMesh, read_mesh, read_truth};
-use transect_geometry::{Curve, Length, PlaneIndex, Point2};
+use transect_geometry::{Curve, Length, LengthUnit, PlaneIndex, Point2};
 use transect_model::Model;
 use transect_scene::{
     MergeError, Mesh, MeshError, SceneError, Visibility, merge_overlaps, sections,
@@ -97,6 +97,9 @@ pub fn score(
             let checked = extents.map_or(Ok(()), |(ours, theirs)| ours.check(&theirs, margin));
             let unfit = WorkflowError::unusable(path, "the mesh does not fit the model");
             checked.map_err(&unfit)?;
+            if let Some(problem) = coarse_coordinates(&mesh, margin, unit) {
+                return Err(WorkflowError::file(path, problem));
+            }
             let uncut = WorkflowError::unusable(path, "the mesh cannot be cut");
             let truth = cut(&mesh, model).map_err(uncut)?;
             if let (true, Some((ours, theirs))) = (truth.is_empty(), extents) {
@@ -122,6 +125,21 @@ pub fn score(
 /// The share of a model's length that is right.
 fn right(accuracy: &Accuracy) -> f64 {
     1.0 - accuracy.off.unwrap_or(1.0)
+}
+
+/// Why the coordinates of a mesh are too coarse for a tolerance; `None` if they are not.
+fn coarse_coordinates(mesh: &Mesh, tolerance: f64, unit: LengthUnit) -> Option<String> {
+    let coordinates = || mesh.vertices.iter().flat_map(|p| <[f64; 3]>::from(p.coords));
+    let is_single = coordinates().all(|c| f64::from(c as f32) == c);
+    let largest = coordinates().map(f64::abs).fold(0.0, f64::max);
+    let step = largest * f64::from(f32::EPSILON);
+    (is_single && step > tolerance).then(|| {
+        format!(
+            "coordinates up to {largest:.0} {unit} are stored as 32-bit numbers, whose steps are \
+             {step:.4} {unit} there, more than the tolerance of {tolerance:.4} {unit}; store the \
+             mesh as OBJ or as PLY of 64-bit numbers, or subtract one offset from scan and mesh"
+        )
+    })
 }
 
 /// Why a mesh is the reference of a model in another unit; `None` if it is not. `right_now` is the
@@ -234,4 +252,20 @@ fn views(scan: &Path) -> Result<Vec<View>, WorkflowError> {
     let views: Result<Vec<View>, _> =
         scan.views.par_iter().map(|v| v.load().map(|(view, _)| view)).collect();
     Ok(views?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_in_steps_larger_than_the_tolerance_are_refused() {
+        let mesh = |x: f64| Mesh { vertices: vec![[x, 2.5, 0.0].into()], faces: Vec::new() };
+        let metre = LengthUnit::Metre;
+        let problem = coarse_coordinates(&mesh(5_300_000.5), 0.1, metre).unwrap();
+        assert!(problem.contains("whose steps are 0.6318 m there"), "{problem}");
+        for (x, tolerance) in [(5_300_000.5, 1.0), (5_300_000.3, 0.1), (300.5, 0.001)] {
+            assert_eq!(coarse_coordinates(&mesh(x), tolerance, metre), None, "{x}, {tolerance}");
+        }
+    }
 }
