@@ -236,7 +236,7 @@ mod tests {
     fn the_scans_own_offset_holds_along_its_own_direction_only() {
         let own = PlanesEntry::new([0.0, 0.0, 2.0], 310.2, 0.1);
         let offset = |settings: &PlaneSettings| {
-            let family = settings.family(LengthUnit::Metre, Some(&own)).unwrap();
+            let (family, _) = settings.family(LengthUnit::Metre, Some(&own)).unwrap();
             assert_eq!(family.interval(), 0.1);
             family.offset()
         };
