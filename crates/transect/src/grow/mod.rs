@@ -27,6 +27,7 @@ mod fuser;
 mod judged;
 mod kept_image;
 mod registration;
+mod repeated;
 
 pub use error::GrowError;
 
@@ -431,7 +432,9 @@ impl<'a> Grower<'a> {
             return Err(no_curves(added.reports.iter(), self.setup).into());
         }
         let Added { present, reports, ids, mut notes, .. } = added;
-        let several = snapshot.views()?.len() > 1;
+        let views = snapshot.views()?;
+        let several = views.len() > 1;
+        notes.extend(repeated::note(&views));
         let started = Instant::now();
         let Judged { poses, note } =
             judged(&snapshot, &ids.iter().cloned().collect(), sources, self.setup)?;
