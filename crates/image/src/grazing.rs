@@ -16,8 +16,8 @@
 //! one ramp between two surfaces. There the rule is not used: the halves of the red kitchen would
 //! be 3 to 8 % farther apart (95 %).
 //!
-//! Gained with it: median distances from the truth are a third smaller in the room, where more
-//! views see each place. In a tunnel seen by cameras the curves are 16 % longer, and no less exact.
+//! **Gain.** The median distance from the truth is two fifths smaller in the room, where more views
+//! see each place. In a tunnel seen by cameras the curves are 16 % longer, and no less exact.
 //!
 //! Cost: a few operations for each pair of pixels that is not joined.
 
@@ -31,9 +31,9 @@ const BENT: f64 = 0.02;
 /// Noise of the miss over that of the difference of two ranges. Theory: √6 over √2.
 const NOISE: f64 = 1.732;
 
-/// Largest share of the step that the line may miss by, noise included. No unit. Theory: a jump of
-/// any size then passes by chance in a quarter of all cases at most, as two lines have to agree.
-/// Doubled, rooms with 0.5 % of noise get twice as many spurious pieces.
+/// Largest share of the step that the line may miss by, noise included. No unit. Theory: where the
+/// neighbours of a jump lie anywhere within its step, two lines agree in a quarter of all cases.
+/// Without the limit, a room with 0.5 % of noise gets 14 spurious pieces in place of 7.
 const MOST: f64 = 0.5;
 
 /// Pixels per word of a mask.
