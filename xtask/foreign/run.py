@@ -38,10 +38,13 @@ import room as simulated
 
 FORMATS = ("e57", "ptx", "tum", "open3d_log", "pcd", "ply")
 BUILD = "cargo run --quiet --release -p transect-cli --"
-# Differences of the counts of curves: a pixel at a silhouette can split a curve, and a column of
-# pixels at the end of a wall that is seen at a grazing angle those of many planes. Measured: 17 of
-# 342 curves, for coordinates in steps of 0.1 mm. Doubled, one lost curve in 8 passes.
-SPLIT_CURVES = 0.06
+# Differences of the counts of curves: a pixel at a silhouette can split a curve. Chosen by hand.
+# Doubled, one lost curve in 25 passes.
+SPLIT_CURVES = 0.02
+# The same for coordinates in steps of 0.1 mm. The rounding decides whether two pixels of a wall at
+# a grazing angle are joined: at x from 4.07 to 4.49 m, y = 5 m. Their columns split the curves of
+# 13 planes. Measured: 17 of 342 curves. Doubled, one lost curve in 10 passes.
+SPLIT_BY_ROUNDING = {"e57, cartesian_scaled.e57": 0.05}
 # Nodes whose distances are computed at once, and the metres within which their nearest segment is
 # sought first. Both change the time alone.
 BLOCK = 64
@@ -121,7 +124,8 @@ def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
     ])
     curves = [sum(map(len, scan.values())) for scan in (wanted, found)]
     median, most = np.median(off), np.quantile(off, 0.99)
-    fine = most <= tolerance and abs(curves[1] - curves[0]) <= SPLIT_CURVES * curves[0]
+    split = SPLIT_BY_ROUNDING.get(name, SPLIT_CURVES)
+    fine = most <= tolerance and abs(curves[1] - curves[0]) <= split * curves[0]
     shown = " | ".join(f"{1e3 * length:.6f}" for length in (median, most, off.max(), tolerance))
     print(f"| {name} | {shown} | {'equal' if fine else 'DIFFERENT'} |", flush=True)
     return fine
