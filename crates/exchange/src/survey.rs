@@ -14,10 +14,10 @@ use transect_sensors::point_grid::{fit_viewpoint, step_variation, uneven_rays};
 /// Largest share of uneven rays of a true viewpoint. Measured: 0 in a scan of a plant room and in
 /// simulated rooms; 1 % from a place that is 0.5 m off. Doubled, a place 0.2 m off passes.
 const MOST_UNEVEN: f64 = 2e-3;
-/// A place whose rays turn by steps that vary by less than this share of what they do from the
-/// origin saw the points. Measured: a place in a room that is 0.4 m off the true one has at least 4
-/// times its variation, and a fitted place in images of a Kinect or in a scan of a plant room 0.99
-/// to 1.3 times that of their true origin. Doubled, a place beside a true origin may be taken.
+/// Largest variation of the steps between rays from the place that saw the points, over that from
+/// the origin. Measured in a room: 0.4 m off the true place the steps vary at least 4 times as
+/// much. Images of a Kinect and a scan of a plant room are seen from their origin; a fitted place
+/// has 0.99 to 1.3 times its variation. Doubled, a place beside a true origin may be taken.
 const STEADIER: f64 = 0.5;
 
 /// The frame and the image of one scan of a file, from its row-major points. `stated` is the place

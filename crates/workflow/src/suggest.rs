@@ -290,9 +290,9 @@ fn round_up(length: f64) -> f64 {
     candidates.into_iter().map(number).find(fits).unwrap_or(length)
 }
 
-/// The place of plane 0. Of the tenths of the interval at which a plane crosses the extent, it is
-/// the one at which planes hit the fewest points of faces that are parallel to them. A large
-/// interval may have no such tenth; then it is the middle of the extent.
+/// The place of plane 0, in tenths of the interval. A plane crosses the extent there, and planes
+/// hit the fewest points of faces that are parallel to them. A large interval may have no such
+/// tenth. Then the place is the middle of the extent.
 fn offset(views: &[ViewSurvey], along: &Vector3, interval: f64) -> f64 {
     let [low, high] = ends(views, along);
     // Without an extent, any place will do.
