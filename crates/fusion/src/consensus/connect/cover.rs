@@ -104,7 +104,7 @@ impl<'a> Cover<'a> {
         let (here, there) = (&self.nodes[k], &self.nodes[j]);
         let unit = next.position - there.position;
         let along = unit.try_normalize(0.0).unwrap_or(self.directions[j]);
-        let margin = here.evidence.footprint.max(there.evidence.footprint);
+        let margin = here.evidence.footprint;
         let x = -from_here.dot(&along);
         along.dot(&self.directions[k]) >= self.scale.same_way
             && (-margin..=unit.norm() + margin).contains(&x)
@@ -123,4 +123,27 @@ fn uncovered(chain: &Chain, covered: &[bool]) -> Vec<Chain> {
     };
     let runs = runs(chain.nodes.len(), chain.closed, |k| covered[k]).into_iter().map(run);
     runs.filter(|run| !run.nodes.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::consensus::options::ConsensusOptions;
+
+    #[test]
+    fn coarse_nodes_cover_nothing_beyond_the_end_of_their_chain() {
+        let node =
+            |x: f64, footprint: f64| PlacedNode::at(Point2::new(x, 0.0), Vector2::x(), footprint);
+        let coarse = (0..5).map(|k| node(0.3 * f64::from(k), 0.3));
+        let fine = (0..12).map(|k| node(1.21 + 0.003 * f64::from(k), 0.003));
+        let beside = (0..12).map(|k| node(0.21 + 0.003 * f64::from(k), 0.003));
+        let nodes: Vec<PlacedNode> = coarse.chain(fine).chain(beside).collect();
+        let chain = |nodes: std::ops::Range<u32>| Chain { nodes: nodes.collect(), closed: false };
+        let options = ConsensusOptions::default();
+        let scale =
+            Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, settled: false, options };
+        let accepted = cover(&nodes, vec![chain(0..5), chain(5..17), chain(17..29)], &scale);
+        let firsts: Vec<u32> = accepted.iter().map(|chain| chain.nodes[0]).collect();
+        assert_eq!(firsts, [0, 5], "the one that goes on stays, the one beside goes");
+    }
 }

@@ -127,7 +127,7 @@ impl Pair<'_> {
                 };
                 let cost = cost + CUT_COST * (lost_of_tail[cut_tail] + lost_of_head[cut_head]);
                 let is_best = best.is_none_or(|b| cost < b.cost);
-                if is_best && !p.is_across_shadow(q, self.ground) {
+                if is_best && !p.is_across_shadow(q, self.ground, scale) {
                     best = Some(JoinFit { cost, cut_tail, cut_head });
                 }
             }

@@ -97,7 +97,7 @@ struct Candidates<'a> {
 
 impl Candidates<'_> {
     fn add(&mut self, from: usize, to: usize, cost: f64, bridged: bool) {
-        if self.nodes[from].is_across_shadow(&self.nodes[to], self.ground) {
+        if self.nodes[from].is_across_shadow(&self.nodes[to], self.ground, self.scale) {
             return;
         }
         let cost = cost.to_bits() | u64::from(bridged) << 63;

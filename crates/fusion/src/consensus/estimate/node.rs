@@ -1,6 +1,8 @@
 //! A node of the result, and the evidence of its observations.
 
+use super::super::measure::Scale;
 use super::super::tuning::node::*;
+use super::super::tuning::place::SHARED_WINDOW;
 use crate::ground::Ground;
 use nalgebra::Vector3;
 use transect_geometry::{CurveUnit, Node, Point2, Vector2};
@@ -69,20 +71,32 @@ impl PlacedNode {
     }
 
     /// Whether the step to the next node is no continuation and lies in the shadow of a view, or is
-    /// a long one between range jumps of any views.
-    pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>) -> bool {
+    /// a long one between range jumps of any views, over ground that no view measured. A view that
+    /// sees a wall at a grazing angle leaves fine nodes far apart, and that is no gap.
+    pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>, scale: &Scale) -> bool {
         let (unit, _) = self.unit_to(next);
         let along = unit.vector().try_normalize(0.0).unwrap_or_default();
         let footprint = self.evidence.footprint.min(next.evidence.footprint);
         let is_longer = |footprints: f64| unit.vector().norm() > footprints * footprint;
+        let across = scale.across(self.sigma.max(next.sigma));
         let turns = along.dot(&self.tangent).min(along.dot(&next.tangent)) < STRAIGHT;
         is_longer(SHADOW_FOOTPRINTS) && turns && ground.is_in_shadow(&unit)
-            || is_longer(BETWEEN_JUMPS_FOOTPRINTS) && ground.is_between_jumps(&unit)
+            || is_longer(BETWEEN_JUMPS_FOOTPRINTS)
+                && ground.is_between_jumps(&unit)
+                && !ground.is_measured(&unit, footprint, across.min(footprint))
     }
 
     /// Standard deviation across the curve without the views' systematic errors.
     pub fn random_sigma(&self) -> f64 {
         (self.sigma * self.sigma - self.evidence.view_variance).max(0.0).sqrt()
+    }
+
+    /// Standard deviation of the direction, as a slope; infinite for a node of no fit.
+    pub fn slope_sigma(&self) -> f64 {
+        if self.correlation <= 0.0 {
+            return f64::INFINITY;
+        }
+        SLOPE_PER_PLACE * self.random_sigma() * SHARED_WINDOW / self.correlation
     }
 }
 

@@ -82,13 +82,10 @@ impl<'a> Choice<'a> {
         let line = self.line(group);
         let normal = left_of(&group.tangent);
         let across = ABSORB_SHARE * self.scale.across(group.sigma);
-        let beside = self.near.iter().map(|j| self.groups.all[*j as usize].footprint);
-        let finest = beside.fold(group.footprint, f64::min);
-        let footprint = group.footprint.min(FINEST_FOOTPRINTS * finest);
         let window = Window {
             centre: group.position + normal * line.place,
             tangent: (group.tangent + normal * line.slope).normalize(),
-            reach: ABSORB_FOOTPRINTS * footprint,
+            reach: self.reach(group, &line, across),
             across,
             same_way: self.scale.same_way,
         };
@@ -121,6 +118,18 @@ impl<'a> Choice<'a> {
         line(samples, across).unwrap_or_default()
     }
 
+    /// How far a stand absorbs along its line: no farther than to the first neighbour off it, but
+    /// for the nearest ones. A wall that a view sees at a grazing angle would absorb what nearer
+    /// views saw of the bends in it.
+    fn reach(&self, group: &Group, line: &Fit, across: f64) -> f64 {
+        let off = self.samples.iter().filter(|s| (s.y - line.at(s.x)).abs() > across);
+        let beside = self.near.iter().map(|j| self.groups.all[*j as usize].footprint);
+        let finest = beside.fold(group.footprint, f64::min);
+        let [most, least] =
+            [group.footprint, FINEST_FOOTPRINTS * finest].map(|size| ABSORB_FOOTPRINTS * size);
+        off.map(|s| s.x.abs()).fold(most, f64::min).max(least.min(most))
+    }
+
     /// The first stand that absorbed a neighbour and in whose window the centre of this one lies.
     fn stand_around(&self, window: &Window) -> Option<u32> {
         if !self.scale.steps().late_absorption {
@@ -140,11 +149,50 @@ impl<'a> Choice<'a> {
     fn absorb(&mut self, window: &Window, line: &Fit) {
         let number = self.stands.len() as u32;
         for (&j, s) in self.near.iter().zip(&self.samples) {
-            let off = s.y - (line.place + line.slope * s.x);
+            let off = s.y - line.at(s.x);
             let by = &mut self.absorbed_by[j as usize];
             if *by == NONE && s.x.abs() <= window.reach && off.abs() <= window.across {
                 *by = number;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::consensus::options::ConsensusOptions;
+    use transect_geometry::Vector2;
+
+    fn scale() -> Scale {
+        let options = ConsensusOptions::default();
+        Scale { spacing: 0.003, threshold: 0.004, same_way: 0.6, settled: false, options }
+    }
+
+    /// A wall between two recesses, which a near view sees finely and a far one coarsely.
+    fn wall_with_recesses(depth: f64) -> Groups {
+        let group = |x: f64, footprint: f64| {
+            let y = if (x - 0.0015).abs() > 0.037 { depth } else { 0.0 };
+            let (position, tangent) = (Point2::new(x, y), Vector2::x());
+            Group { position, tangent, weight: 1.0, sigma: 1e-4, footprint }
+        };
+        let fine = (0..40).map(|k| group(0.003 * f64::from(k) - 0.06, 0.003));
+        let all: Vec<Group> = fine.chain([group(0.0015, 0.1)]).collect();
+        Groups { of: (0..all.len() as u32).collect(), all }
+    }
+
+    #[test]
+    fn a_coarse_group_absorbs_no_farther_than_its_line_goes() {
+        let absorbed = |groups: &Groups| {
+            let thinned = thin(groups, &scale());
+            let coarse = thinned.absorbed_by.last().copied();
+            thinned.absorbed_by.iter().filter(|by| Some(**by) == coarse).count()
+        };
+        assert_eq!(absorbed(&wall_with_recesses(0.0)), 41, "a plain wall");
+        let recessed = wall_with_recesses(0.0035);
+        let before = recessed.all.iter().filter(|k| k.position.y == 0.0).count();
+        assert!((2..41).contains(&before));
+        // One more on either side moves onto a line that leads into its window.
+        assert_eq!(absorbed(&recessed), before + 2);
     }
 }

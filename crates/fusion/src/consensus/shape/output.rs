@@ -74,10 +74,12 @@ fn between(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
         return None;
     }
     let middle = (a.tangent - b.tangent) * (0.125 * length);
+    let by_slopes = 0.125 * length * a.slope_sigma().hypot(b.slope_sigma());
     let sigma = 0.5 * (a.sigma + b.sigma);
-    (step.perp(&middle).abs() > CHORD_SHARE * sigma * length).then(|| {
+    let least = (CHORD_SHARE * sigma).max(SLOPE_SIGMAS * by_slopes);
+    (step.perp(&middle).abs() > least * length).then(|| {
         let lighter = if a.evidence.weight < b.evidence.weight { a.node() } else { b.node() };
-        lighter.moved_to(a.position + step * 0.5 + middle).with_sigma(sigma as f32)
+        lighter.moved_to(a.position + step * 0.5 + middle).with_sigma(sigma.hypot(by_slopes) as f32)
     })
 }
 
@@ -123,5 +125,28 @@ impl<'a> Ends<'a> {
             }
         });
         nearest.map(|(_, reason)| reason)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::Vector2;
+
+    #[test]
+    fn directions_of_noisy_nodes_bend_no_long_step() {
+        let node = |x: f64, slope: f64, correlation: f64| {
+            let place = Point2::new(x, 0.0);
+            let mut node = PlacedNode::at(place, Vector2::new(1.0, slope).normalize(), 0.01);
+            (node.sigma, node.correlation) = (5e-4, correlation);
+            node
+        };
+        let middle =
+            |correlation| between(&node(0.0, 0.05, correlation), &node(0.5, -0.05, correlation));
+        assert!(middle(0.01).is_none(), "fits of a centimetre do not know this bend");
+        let bend = middle(1.0).unwrap();
+        assert!((bend.position.y - 0.05 / 4.0 * 0.5).abs() < 1e-4);
+        assert!(bend.sigma > 5e-4 && bend.sigma < 6e-4);
+        assert!(middle(0.0).is_none(), "a node of no fit");
     }
 }
