@@ -21,6 +21,8 @@
 //! 5. If the doubt exceeds the area, the gaps hide which way round the loop runs. Then its parent
 //!    decides. Without a parent, the other loops without one decide: if all of them are surely
 //!    around solid, the plane is free outside. Else the loop may be of either kind.
+//! 6. Along a curved guide points farther away than its usable distance are not measured. A curve
+//!    that ends there is *cut*: the surface goes on beyond, so its loop has no known bound.
 //!
 //! Cost: for n loops with m nodes each, O(n²) comparisons of envelopes, and O(m) for each pair of
 //! nested envelopes. One node decides the parent of a loop that crosses others.
@@ -42,6 +44,16 @@ const BENT: f64 = 5.0 / 24.0;
 /// Doubled, polygons of few nodes have bounds as wide as their sides are long.
 const LARGEST_BEND: f64 = 0.52;
 
+/// Share of the usable distance within which the end of a curve counts as cut. Measured: the
+/// 180 ends in `bend_tunnel` along a guide with a radius of 3 m are up to 3 % of it short of it.
+/// Doubled, gaps well within the usable distance make the largest area unknown, too.
+const NEAR_LIMIT: f64 = 0.1;
+
+/// Units at the end of a curve by which it may end short of the usable distance and still be cut.
+/// Theory: the next sample is one unit away, and the last one may be left out. Doubled, coarse
+/// curves far within the usable distance count as cut.
+const UNITS_TO_LIMIT: f64 = 2.0;
+
 /// A closed boundary, seen or joined over gaps.
 #[derive(Debug)]
 pub(crate) struct BoundaryLoop {
@@ -49,6 +61,8 @@ pub(crate) struct BoundaryLoop {
     pub curves: Vec<CurveIndex>,
     /// Whether it is one closed curve.
     pub is_closed: bool,
+    /// Whether one of its curves ends at the usable distance of a curved guide.
+    pub is_cut: bool,
     /// Width of its widest gap, in the length unit; 0 for a closed curve.
     pub widest_gap: f64,
     /// Area with the gaps closed by chords: positive if the loop runs counter-clockwise.
@@ -81,6 +95,7 @@ impl BoundaryLoop {
         let doubt = of_curves().map(|curve| doubt(curve, half_extent)).sum::<f64>() + unseen;
         Self {
             is_closed: gaps.is_empty(),
+            is_cut: false,
             widest_gap: gaps.iter().copied().fold(0.0, f64::max),
             parent: None,
             is_solid: area > 0.0,
@@ -119,8 +134,9 @@ impl BoundaryLoop {
 }
 
 impl Section {
-    /// The loops of the plane: closed curves in their order, then the loops of open curves.
-    pub(crate) fn loops(&self) -> Vec<BoundaryLoop> {
+    /// The loops of the plane: closed curves in their order, then the loops of open curves. Curves
+    /// were sought up to the distance `usable` from the origin of the plane.
+    pub(crate) fn loops(&self, usable: f64) -> Vec<BoundaryLoop> {
         let closed = self.curves().enumerate().filter(|(_, curve)| curve.is_closed());
         let mut loops: Vec<_> =
             closed.map(|(k, _)| BoundaryLoop::new(self, vec![CurveIndex(k)], &[])).collect();
@@ -134,7 +150,9 @@ impl Section {
                 widths.push(width);
                 at = before;
             }
-            loops.push(BoundaryLoop::new(self, curves, &widths));
+            let mut of_curves = curves.iter().filter_map(|index| self.curve(*index));
+            let is_cut = of_curves.any(|curve| is_cut(curve, usable));
+            loops.push(BoundaryLoop { is_cut, ..BoundaryLoop::new(self, curves, &widths) });
         }
         find_parents(&mut loops);
         decide_kinds(&mut loops);
@@ -146,7 +164,7 @@ impl Section {
     /// A curve around solid with an open curve directly in it is left out, because the open curve
     /// bounds an unknown part of it. So is one with a curve of contradicting direction in it.
     pub fn known_solid(&self) -> Vec<CurveIndex> {
-        let loops = self.loops();
+        let loops = self.loops(f64::INFINITY);
         let mut known = Vec::new();
         for (number, outer) in loops.iter().enumerate() {
             let within = || loops.iter().filter(|inner| inner.parent == Some(number));
@@ -183,6 +201,18 @@ fn decide_kinds(loops: &mut [BoundaryLoop]) {
         }
         loops[k].contradicts_parent = is_in_solid == Some(loops[k].is_solid);
     }
+}
+
+/// Whether an open curve begins or ends at this distance from the origin of its plane.
+fn is_cut(curve: &Curve, usable: f64) -> bool {
+    let (first, last) = (curve.units().next(), curve.units().last());
+    let ends = first.map(|unit| (unit, unit.start)).into_iter();
+    let mut ends = ends.chain(last.map(|unit| (unit, unit.end)));
+    usable.is_finite()
+        && ends.any(|(unit, end)| {
+            let short = (NEAR_LIMIT * usable).max(UNITS_TO_LIMIT * unit.vector().norm());
+            end.coords.norm() >= usable - short
+        })
 }
 
 /// The area by which the true boundary can differ along a curve, in a plane of this half extent.
@@ -239,7 +269,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn loops(curves: Vec<Curve>) -> Vec<(f64, Option<usize>, bool)> {
-        let found = Section::new(curves).unwrap().loops();
+        let found = Section::new(curves).unwrap().loops(f64::INFINITY);
         found.iter().map(|l| (l.area, l.parent, l.contradicts_parent)).collect()
     }
 
@@ -259,7 +289,7 @@ mod tests {
         let lower = polyline(&[(0.0, 1.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)], false);
         let upper = polyline(&[(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 2.0)], false);
         let plate = Section::new(vec![upper, rectangle(1.0, 1.0, 2.0, 2.0).reversed(), lower]);
-        let found = plate.unwrap().loops();
+        let found = plate.unwrap().loops(f64::INFINITY);
         assert_eq!(found[1].curves, [CurveIndex(0), CurveIndex(2)]);
         assert_eq!((found[1].area, found[1].widest_gap), (12.0, 1.0));
         assert_eq!(found[1].doubt, 2.0 * 2.5, "two gaps of 1 times half of 5");
@@ -273,7 +303,7 @@ mod tests {
         };
         let plate = rectangle(0.0, 0.0, 2.0, 3.0).into_nodes();
         let plate = Curve::new(bridged(plate).collect(), true).unwrap();
-        let found = Section::new(vec![plate]).unwrap().loops();
+        let found = Section::new(vec![plate]).unwrap().loops(f64::INFINITY);
         assert!(
             (found[0].doubt - (13.0_f64.sqrt() + 3.0 * 0.01 * 8.0)).abs() < 1e-6,
             "{}",
@@ -286,12 +316,12 @@ mod tests {
         let exact = std::f64::consts::PI * 4.0;
         for nodes in [16, 64, 256] {
             let circle = circle(Point2::new(1.0, 2.0), 2.0, nodes);
-            let found = Section::new(vec![circle.clone()]).unwrap().loops();
+            let found = Section::new(vec![circle.clone()]).unwrap().loops(f64::INFINITY);
             let lacks = exact - found[0].area;
             // The chords' own twelfth, and an eighth for nodes between pixels.
             let share = found[0].doubt / lacks;
             assert!((2.4..2.6).contains(&share), "{nodes}: {share}");
-            let hole = Section::new(vec![circle.reversed()]).unwrap().loops();
+            let hole = Section::new(vec![circle.reversed()]).unwrap().loops(f64::INFINITY);
             assert!((hole[0].doubt - found[0].doubt).abs() < 1e-12);
         }
     }

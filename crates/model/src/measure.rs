@@ -14,7 +14,12 @@
 //! 5. Solid around such a loop, or around a clear one, has no known bound if no loop is around it.
 //!    The plane's solid is then unbounded.
 //!
-//! A closed surface that no view saw at all cannot be bounded, and is not in the brackets.
+//! 6. A loop that the usable distance of a curved guide cuts goes on beyond it. Neither kind then has
+//!    a known largest area, and a face around such a loop is at least 0. The chord of the cut runs
+//!    within the usable distance, so the least area of the loop's own face stays.
+//!
+//! What lies wholly beyond the usable distance is not in the brackets. A closed surface that no
+//! view saw at all cannot be bounded, and is not in them, either.
 
 use crate::Section;
 use crate::loops::BoundaryLoop;
@@ -63,6 +68,9 @@ pub struct SectionMeasures {
     pub solid_centroid: Option<Point2>,
     /// Centre of mass of the estimated clear area; `None` without any.
     pub clear_centroid: Option<Point2>,
+    /// Whether curves end at the usable distance of a curved guide. Largest areas are unknown then,
+    /// and the estimates are those of the part within that distance.
+    pub is_cut: bool,
     /// Width of the widest gap between curves; 0 without gaps.
     pub widest_gap: f64,
     /// Length of the closed curves.
@@ -97,16 +105,26 @@ impl Faces {
 }
 
 impl Section {
-    /// Measures the curves of the plane.
+    /// Measures the curves of a plane across a straight guide.
     ///
     /// Exact for the polylines, up to rounding. The brackets hold what chords leave out where a
     /// curve bends.
     pub fn measures(&self) -> SectionMeasures {
-        let loops = self.loops();
+        self.measures_within(f64::INFINITY)
+    }
+
+    /// As [`Self::measures`], for curves that were sought up to the distance `usable` from the
+    /// guide: [`Guide::usable_distance`](transect_geometry::Guide::usable_distance).
+    pub fn measures_within(&self, usable: f64) -> SectionMeasures {
+        let loops = self.loops(usable);
         let (mut solid, mut clear) = (Faces::NONE, Faces::NONE);
         for (number, outer) in loops.iter().enumerate() {
             let within = loops.iter().filter(|inner| inner.parent == Some(number));
             add_face(outer, within, &mut solid, &mut clear);
+        }
+        let is_cut = loops.iter().any(|found| found.is_cut);
+        if is_cut {
+            (solid.area.most, clear.area.most) = (None, None);
         }
         let (closed, open): (Vec<_>, Vec<_>) = self.curves().partition(|curve| curve.is_closed());
         let length = |curves: &[&Curve]| curves.iter().fold(0.0, |sum, curve| sum + curve.length());
@@ -118,6 +136,7 @@ impl Section {
             clear: clear.area,
             solid_centroid: solid.centroid(anchor),
             clear_centroid: clear.centroid(anchor),
+            is_cut,
             widest_gap: loops.iter().map(|found| found.widest_gap).fold(0.0, f64::max),
             perimeter: length(&closed),
             open_length: length(&open),
@@ -142,6 +161,7 @@ fn add_face<'a>(
         area -= inner.own_area();
         moment -= inner.own_moment();
         doubt += inner.doubt + if inner.contradicts_parent { inner.area.abs() } else { 0.0 };
+        doubt += if inner.is_cut { f64::INFINITY } else { 0.0 };
     }
     if outer.parent.is_none() && (outer.is_either || !outer.is_solid) {
         solid.area.most = None;
@@ -218,6 +238,34 @@ mod tests {
         let exact = 100.0 - 4.0 * PI;
         assert!(found.solid.least < exact && exact < found.solid.most.unwrap(), "{found:?}");
         assert_eq!(found.solid.most, Some(100.0));
+    }
+
+    /// A post and a bore of radius 3 around (x, 0), seen up to 2.5 from the origin.
+    #[test]
+    fn a_section_cut_by_the_usable_distance_has_no_largest_area() {
+        let (radius, usable) = (3.0, 2.5);
+        let exact = PI * radius * radius;
+        for x in [1.0, 1.5, 2.0, 3.0, 5.0] {
+            // The circle begins at its farthest place from the origin, so one arc is left.
+            let around = circle(Point2::new(x, 0.0), radius, 2000);
+            let mut nodes = around.into_nodes();
+            nodes.retain(|node| node.position.coords.norm() <= usable);
+            let post = Curve::new(nodes, false).unwrap();
+            for (is_clear, curve) in [(false, post.clone()), (true, post.reversed())] {
+                let found = section(vec![curve]).measures_within(usable);
+                let area = if is_clear { found.clear } else { found.solid };
+                let least_and_most = (area.least <= exact, area.most.is_none_or(|m| m >= exact));
+                assert_eq!(least_and_most, (true, true), "{x}: {found:?}");
+                assert!(found.is_cut && found.clear.most.is_none(), "{x}: {found:?}");
+            }
+        }
+        let near = section(vec![circle(Point2::origin(), 1.0, 100)]);
+        assert_eq!(near.measures_within(usable), near.measures());
+        // A cut pipe in a plate may take all of it.
+        let plate = rectangle(-9.0, -9.0, 9.0, 9.0);
+        let pipe = polyline(&[(2.4, 0.6), (1.0, 0.0), (2.4, -0.6)], false);
+        let found = section(vec![plate, pipe]).measures_within(usable);
+        assert_eq!((found.solid.least, found.solid.most), (0.0, None), "{found:?}");
     }
 
     #[test]

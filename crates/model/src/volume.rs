@@ -89,7 +89,7 @@ impl VolumeSum {
 
     /// Adds the next plane along the guide.
     pub fn add(&mut self, plane: PlaneIndex, section: &Section) {
-        let measures = section.measures();
+        let measures = section.measures_within(self.planes.guide().usable_distance());
         let scaled = |area: Bracket, centroid| area.times(self.stretch(plane, centroid));
         let areas = [
             scaled(measures.solid, measures.solid_centroid),

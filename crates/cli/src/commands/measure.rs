@@ -3,10 +3,10 @@
 use super::lengths::distance;
 use super::open_model;
 use crate::failure::Failure;
-use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, say};
+use crate::table::{Lengths, Quantity, Row, length, print, print_csv, print_grid, say};
 use std::path::PathBuf;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, Point3};
-use transect_model::{Bracket, ModelVolume, SectionMeasures, Volume};
+use transect_model::{Bracket, ModelVolume, Section, SectionMeasures, Volume};
 use transect_workflow::ModelFile;
 
 /// Options of `measure`.
@@ -31,7 +31,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
     let close_gaps = distance("close-gaps", arguments.close_gaps.as_ref(), file.unit())?;
     let mut planes = Vec::new();
-    file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;
+    let usable = file.planes().guide().usable_distance();
+    let measures = |section: &Section| section.measures_within(usable);
+    file.for_each_section(|plane, section| planes.push((plane, measures(section))))?;
+    note_if_cut(&file, &planes);
     match (arguments.csv, arguments.sums) {
         (true, true) => print_sums_csv(&file, &planes, close_gaps)?,
         (true, false) => print_planes_csv(&file, &planes, close_gaps),
@@ -43,6 +46,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Says on how many planes curves end at the usable distance of a curved guide.
+fn note_if_cut(file: &ModelFile, planes: &[(PlaneIndex, SectionMeasures)]) {
+    let cut = planes.iter().filter(|(_, measures)| measures.is_cut).count();
+    if cut > 0 {
+        let usable = length(file.planes().guide().usable_distance(), file.unit());
+        eprintln!(
+            "note: on {cut} of {} planes curves end at the usable distance of the guide, {usable}. \
+             The surface goes on beyond it, so the largest areas and volumes are unknown, and these \
+             gaps are not closed. A guide with wider bends covers more",
+            planes.len()
+        );
+    }
+}
+
+/// Whether all gaps of a plane are to be closed, which are those up to a width.
+fn is_closed(measures: &SectionMeasures, widest: f64) -> bool {
+    measures.widest_gap <= widest && !measures.is_cut
+}
+
+/// Whether all gaps of all planes are to be closed.
+fn all_closed(planes: &[(PlaneIndex, SectionMeasures)], widest: f64) -> bool {
+    planes.iter().all(|(_, measures)| is_closed(measures, widest))
 }
 
 /// Prints a line per plane with numbers alone. What is unknown is empty.
@@ -89,7 +116,7 @@ fn csv_line(
     let counts = [measures.outer_curves, measures.hole_curves, measures.open_curves];
     line.extend(counts.map(|count| count.to_string()));
     if let Some(widest) = close_gaps {
-        let closed = measures.widest_gap <= widest;
+        let closed = is_closed(measures, widest);
         line.extend([solid, clear].map(|bounds| area(closed.then_some(bounds.estimate))));
     }
     line
@@ -159,7 +186,7 @@ fn line(
         measures.open_curves.to_string(),
     ];
     if let Some(widest) = close_gaps {
-        let closed = measures.widest_gap <= widest;
+        let closed = is_closed(measures, widest);
         let areas = [measures.solid, measures.clear];
         line.extend(areas.map(|area| estimate(&area, closed, lengths, 2)));
     }
@@ -219,7 +246,7 @@ fn print_sums_csv(
         }
     };
     let mut lines: Vec<Vec<String>> = sums(planes, &volume).map(line).to_vec();
-    let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
+    let closed = close_gaps.map(|widest| all_closed(planes, widest));
     for (name, volume) in [("solid volume", &volume.solid), ("clear volume", &volume.clear)] {
         let exact = |value: Option<f64>| value.map(|v| lengths.exact(v, 3)).unwrap_or_default();
         let values = volume_sums(name, volume, closed);
@@ -264,7 +291,7 @@ fn rows(
         Sum::Length(name, length) => Row::length(name, length, unit),
     };
     let mut rows: Vec<Row> = sums(planes, &volume).map(row).to_vec();
-    let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
+    let closed = close_gaps.map(|widest| all_closed(planes, widest));
     let largest = volume.solid.bracket.estimate.max(volume.clear.bracket.estimate);
     let lengths = Lengths::of(&Quantity::new(largest, unit, 3));
     rows.extend(volume_rows("solid volume", &volume.solid, closed, &lengths));

@@ -200,6 +200,12 @@ impl Guide {
         }
     }
 
+    /// Distance from the guide up to which points have stations, in the model's length unit;
+    /// infinite for a line.
+    pub fn usable_distance(&self) -> f64 {
+        self.curved().map_or(f64::INFINITY, |guide| guide.usable_distance())
+    }
+
     /// Unit direction of the guide at a station.
     pub fn direction(&self, station: f64) -> Vector3 {
         match self {
