@@ -34,6 +34,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let usable = file.planes().guide().usable_distance();
     let measures = |section: &Section| section.measures_within(usable);
     file.for_each_section(|plane, section| planes.push((plane, measures(section))))?;
+    if planes.is_empty() {
+        let problem = "the model has no curves, so there is nothing to measure. Add views to it \
+                       with transect reconstruct SCAN --store FILE";
+        return Err(Failure::with_file(&arguments.file, problem));
+    }
     note_if_cut(&file, &planes);
     match (arguments.csv, arguments.sums) {
         (true, true) => print_sums_csv(&file, &planes, close_gaps)?,

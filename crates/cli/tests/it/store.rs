@@ -291,7 +291,9 @@ fn a_store_without_views_replaces_no_results() {
     for k in 0..4 {
         folder.run(&format!("remove-view s.transect range_00{k}.npy")).succeeded();
     }
-    folder.run("export s.transect --out exported").failed_with(1, &["s.transect", "no curves"]);
+    for command in ["export s.transect --out exported", "measure s.transect --sums"] {
+        folder.run(command).failed_with(1, &["s.transect", "no curves"]);
+    }
     assert!(folder.bytes("exported/contours.json") == before);
 }
 
