@@ -79,8 +79,9 @@ pub enum ReconstructError {
     /// Planes cross surfaces of the views, but no view has two crossings beside each other.
     #[error(
         "the surfaces of the scan (views: {views}) cross the section planes {crossings} times, but \
-         nowhere twice in a row: images of one row, too few pixels, or a sigma as large as the \
-         objects make no curves"
+         nowhere twice in a row. Planes in a face or just behind it, which the noise of the face \
+         alone crosses, make no curves: move them by the setting `offset`. Neither do images of one \
+         row, too few pixels, or a sigma as large as the objects"
     )]
     NoCurves {
         /// How many views there were.

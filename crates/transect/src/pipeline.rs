@@ -86,7 +86,7 @@ pub fn reconstruct<S: ViewSource>(
     let facts: Vec<_> = facts.iter().map(Some).collect();
     let again = |order| reread(sources, order, CoarseView::quick);
     let stated = stated(sources);
-    let judge = |copies| PoseReport::of_given(copies, stated.as_ref(), again, setup.unit);
+    let judge = |copies| PoseReport::of_given(copies, stated.as_ref(), again, setup);
     let judged = copies.map(judge);
     let views_done = Instant::now();
     let planes = by_plane(&mut views);

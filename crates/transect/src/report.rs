@@ -4,10 +4,11 @@ use crate::evaluate::digits;
 use crate::fused::Fused;
 use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 use transect_device::{Note, median};
 use transect_fusion::pairwise::GrowthCounts;
-use transect_geometry::{Curve, LengthUnit, Point3};
+use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point3};
 
 /// A run's report. Lengths are in the model's length unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,7 +50,9 @@ impl Report {
     pub(crate) fn set_poses(&mut self, poses: Option<PoseReport>, unit: LengthUnit) {
         self.notes.extend(poses.iter().flat_map(PoseReport::notes));
         if poses.iter().all(|poses| poses.refinement.is_none()) {
-            self.notes.extend(self.fusion.note_if_views_err(unit).map(Note::new));
+            let along_faces = poses.as_ref().map(|poses| &poses.along_faces);
+            let note = self.fusion.note_if_views_err(along_faces.unwrap_or(&BTreeSet::new()), unit);
+            self.notes.extend(note.map(Note::new));
         }
         self.poses = poses.filter(|poses| poses.refinement.is_some() || poses.is_doubtful());
     }
@@ -150,6 +153,9 @@ pub struct FusionReport {
     /// Median over the planes of the views' own noise (standard deviation of a node).
     #[serde(skip)]
     pub noise: f64,
+    /// Error and noise of the views on each plane that was fused in this run.
+    #[serde(skip)]
+    pub(crate) compared: BTreeMap<PlaneIndex, [f64; 2]>,
     /// Planes with curves that were fused in this run.
     #[serde(skip)]
     pub(crate) planes_fused: usize,
@@ -172,14 +178,16 @@ const TOLD_NOISES: f64 = 2.0;
 impl FusionReport {
     /// Sums up the planes.
     pub(crate) fn new<'a>(planes: impl Iterator<Item = &'a Fused>) -> Self {
-        Self::of(&planes.map(PlaneSummary::of_fused).collect::<Vec<_>>())
+        let summary = |fused: &Fused| (fused.index, PlaneSummary::of_fused(fused));
+        Self::of(&planes.map(summary).collect())
     }
 
-    pub(crate) fn of(planes: &[PlaneSummary]) -> Self {
-        let median = |of: fn(&PlaneSummary) -> Option<f64>| {
-            median(planes.iter().filter_map(of)).unwrap_or(0.0)
-        };
-        let used = || planes.iter().filter(|p| p.curves > 0);
+    pub(crate) fn of(by_plane: &BTreeMap<PlaneIndex, PlaneSummary>) -> Self {
+        let planes = || by_plane.values();
+        let median =
+            |of: fn(&PlaneSummary) -> Option<f64>| median(planes().filter_map(of)).unwrap_or(0.0);
+        let used = || planes().filter(|p| p.curves > 0);
+        let compared = |(k, p): (&PlaneIndex, &PlaneSummary)| Some((*k, [p.view_error?, p.noise?]));
         Self {
             planes: used().count(),
             planes_closed_only: used().filter(|p| p.curves == p.closed).count(),
@@ -187,17 +195,18 @@ impl FusionReport {
             closed: used().map(|p| p.closed).sum(),
             nodes: used().map(|p| p.nodes).sum(),
             length: used().map(|p| p.length).sum(),
-            observations: planes.iter().map(|p| p.observations).sum(),
-            dropped: planes.iter().map(|p| p.dropped).sum(),
-            crossings_resolved: planes.iter().map(|p| p.crossings_resolved).sum(),
-            seen_through: planes.iter().map(|p| p.seen_through).sum(),
+            observations: planes().map(|p| p.observations).sum(),
+            dropped: planes().map(|p| p.dropped).sum(),
+            crossings_resolved: planes().map(|p| p.crossings_resolved).sum(),
+            seen_through: planes().map(|p| p.seen_through).sum(),
             spread: median(|p| p.spread),
             view_error: median(|p| p.view_error),
             noise: median(|p| p.noise),
+            compared: by_plane.iter().filter_map(compared).collect(),
             planes_fused: used().filter(|p| p.sigma_is_noise_alone.is_some()).count(),
             planes_noise_alone: used().filter(|p| p.sigma_is_noise_alone == Some(true)).count(),
             threshold: median(|p| p.threshold),
-            growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
+            growth: planes().filter_map(|p| p.growth).reduce(|mut sum, plane| {
                 sum.add(&plane);
                 sum
             }),
@@ -207,12 +216,21 @@ impl FusionReport {
     /// Without what only several views tell.
     pub(crate) fn forget_comparisons(&mut self) {
         (self.spread, self.view_error, self.threshold) = (0.0, 0.0, 0.0);
+        self.compared.clear();
         self.planes_noise_alone = 0;
     }
 
-    /// The note for views that lie farther from each other than their noise explains.
-    pub(crate) fn note_if_views_err(&self, unit: LengthUnit) -> Option<String> {
-        let (error, noise) = (self.view_error, self.noise);
+    /// The note for views that lie farther from each other than their noise explains. The planes
+    /// along faces say nothing of poses; if they alone err, the note says that.
+    pub(crate) fn note_if_views_err(
+        &self,
+        along_faces: &BTreeSet<PlaneIndex>,
+        unit: LengthUnit,
+    ) -> Option<String> {
+        let all = self.error_told(|_| true)?;
+        let Some([error, noise]) = self.error_told(|plane| !along_faces.contains(plane)) else {
+            return self.note_on_faces(all, along_faces, unit);
+        };
         let left_out = match self.planes_noise_alone {
             0 => String::new(),
             planes => format!(
@@ -220,15 +238,44 @@ impl FusionReport {
                 self.planes_fused
             ),
         };
-        (error > TOLD_NOISES * noise && error > 0.0).then(|| {
-            format!(
-                "the views lie {} {unit} off each other (standard deviation) where their own noise \
-                 is {} {unit}: their poses or their depths err. transect register estimates both, \
-                 and so does the setting `refine_poses` without a store{left_out}",
-                digits(error),
-                digits(noise)
-            )
-        })
+        Some(format!(
+            "the views lie {} {unit} off each other (standard deviation) where their own noise is \
+             {} {unit}: their poses or their depths err. transect register estimates both, and so \
+             does the setting `refine_poses` without a store{left_out}",
+            digits(error),
+            digits(noise)
+        ))
+    }
+
+    /// Median error and noise of the views on some planes, if the user is to be told of them.
+    fn error_told(&self, is_asked: impl Fn(&PlaneIndex) -> bool) -> Option<[f64; 2]> {
+        let asked = || self.compared.iter().filter(|(plane, _)| is_asked(plane));
+        let error = median(asked().map(|(_, [error, _])| *error))?;
+        let noise = median(asked().map(|(_, [_, noise])| *noise))?;
+        (error > TOLD_NOISES * noise && error > 0.0).then_some([error, noise])
+    }
+
+    /// The note for views that lie off each other on planes along faces alone.
+    fn note_on_faces(
+        &self,
+        [error, noise]: [f64; 2],
+        along_faces: &BTreeSet<PlaneIndex>,
+        unit: LengthUnit,
+    ) -> Option<String> {
+        let mut along = self.compared.keys().filter(|plane| along_faces.contains(plane));
+        let (first, others) = (along.next()?, along.count());
+        let planes = match others {
+            0 => format!("plane {first} runs"),
+            others => format!("plane {first} and {others} more run"),
+        };
+        Some(format!(
+            "{planes} along a face, nearer to it than the pixels are apart. \
+             Curves cut the corners at its edges there: the views lie {} {unit} off each other \
+             (standard deviation) where their own noise is {} {unit}. Move the planes away from \
+             the face, by the setting `offset`",
+            digits(error),
+            digits(noise)
+        ))
     }
 }
 
@@ -312,9 +359,14 @@ mod tests {
             ..PlaneSummary::default()
         };
         let earlier = PlaneSummary { curves: 1, ..PlaneSummary::default() };
-        let note = |planes: &[PlaneSummary]| {
-            FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
+        let of = |planes: &[PlaneSummary]| {
+            FusionReport::of(&(0..).map(PlaneIndex).zip(planes.iter().copied()).collect())
         };
+        let note_on = |planes: &[PlaneSummary], along_faces: &[i64]| {
+            let along_faces = along_faces.iter().copied().map(PlaneIndex).collect();
+            of(planes).note_if_views_err(&along_faces, LengthUnit::Metre).unwrap_or_default()
+        };
+        let note = |planes: &[PlaneSummary]| note_on(planes, &[]);
         assert!(
             note(&[plane(0.01), plane(0.02)])
                 .ends_with("so does the setting `refine_poses` without a store")
@@ -322,8 +374,13 @@ mod tests {
         let told = note(&[plane(0.01), plane(0.0), plane(0.02), earlier]);
         assert!(told.contains("On 1 of 3 planes"), "{told}");
         assert_eq!(note(&[plane(0.001), plane(0.0)]), "");
-        let mut of_one_view = FusionReport::of(&[plane(0.0)]);
+        let mut of_one_view = of(&[plane(0.0)]);
         of_one_view.forget_comparisons();
         assert_eq!(of_one_view.planes_noise_alone, 0);
+        let of_face = note_on(&[plane(0.01), plane(0.02), plane(0.001)], &[0, 1]);
+        assert!(of_face.starts_with("plane 0 and 1 more run along a face"), "{of_face}");
+        let poses = note_on(&[plane(0.01), plane(0.02), plane(0.02)], &[0]);
+        assert!(poses.contains("their poses or their depths err"), "{poses}");
+        assert_eq!(note_on(&[plane(0.01), plane(0.001), plane(0.001)], &[0]), "");
     }
 }

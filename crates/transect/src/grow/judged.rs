@@ -54,7 +54,7 @@ pub(super) fn judged<S: ViewSource>(
     let again = |order| if all_known { reread(sources, order, CoarseView::quick) } else { None };
     let several = copies.len() > 1;
     let judge =
-        || PoseReport { in_store: true, ..PoseReport::of_given(copies, None, again, setup.unit) };
+        || PoseReport { in_store: true, ..PoseReport::of_given(copies, None, again, setup) };
     let poses = several.then(judge);
     Ok(Judged { poses, note })
 }

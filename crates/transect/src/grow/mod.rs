@@ -460,7 +460,6 @@ fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, 
         summaries.entry(plane).or_insert_with(|| PlaneSummary::of_curves(section.curves()));
     }
     let observations = snapshot.views()?.iter().map(|view| view.nodes as usize).sum();
-    let summaries: Vec<PlaneSummary> = summaries.into_values().collect();
     Ok(FusionReport { observations, ..FusionReport::of(&summaries) })
 }
 

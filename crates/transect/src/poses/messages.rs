@@ -417,7 +417,8 @@ mod tests {
                     usual_distance: 0.01,
                 };
                 let (unit, found_reading, refinement) = (LengthUnit::Metre, None, None);
-                PoseReport { unit, found_reading, judgement, refinement, in_store }
+                let along_faces = Default::default();
+                PoseReport { unit, found_reading, judgement, refinement, in_store, along_faces }
                     .warnings()
                     .concat()
             };

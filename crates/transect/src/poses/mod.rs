@@ -12,15 +12,18 @@
 //! 3. What still contradicts is found ([`judge`]).
 //! 4. The pipeline loads every view again and models it at its refined pose.
 
+mod along_faces;
 mod messages;
 mod regions;
 
 use crate::timed_view::TimedView;
-use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
+use crate::{Posed, ReconstructError, Setup, Stage, ViewSource, Watch};
+use along_faces::along_faces;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use transect_device::{ImageOrder, View};
-use transect_geometry::LengthUnit;
+use transect_geometry::{LengthUnit, PlaneIndex};
 use transect_register::{
     CoarseView, Finding, FoundReading, Judgement, PoseRefinement, RefineOptions, RefinedPose,
     StatedPoses, find_reading, judge, refine,
@@ -44,6 +47,9 @@ pub struct PoseReport {
     /// Whether the views are those of a store, whose images keep the errors of their cameras.
     #[serde(skip)]
     pub(crate) in_store: bool,
+    /// Planes along faces of the views, which say nothing of poses; none of refined poses.
+    #[serde(skip)]
+    pub(crate) along_faces: BTreeSet<PlaneIndex>,
 }
 
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
@@ -141,7 +147,8 @@ impl PoseReport {
                 judgement = judge(&copies);
             }
         }
-        Ok(Self { unit, found_reading, judgement, refinement, in_store: false })
+        let along_faces = BTreeSet::new();
+        Ok(Self { unit, found_reading, judgement, refinement, in_store: false, along_faces })
     }
 
     /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
@@ -150,11 +157,16 @@ impl PoseReport {
         copies: Vec<CoarseView>,
         stated: Option<&StatedPoses>,
         reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
-        unit: LengthUnit,
+        setup: &Setup,
     ) -> Self {
-        let found_reading = find_reading(&copies, stated, reread);
-        let judgement = judge(&copies);
-        Self { unit, found_reading, judgement, refinement: None, in_store: false }
+        Self {
+            unit: setup.unit,
+            found_reading: find_reading(&copies, stated, reread),
+            judgement: judge(&copies),
+            refinement: None,
+            in_store: false,
+            along_faces: along_faces(&copies, &setup.planes),
+        }
     }
 
     /// Whether anything contradicts.

@@ -1,13 +1,14 @@
 //! Refined poses, from images to sections: good poses stay good, bad ones become better, and the
 //! result depends neither on threads nor on the order of the views.
 //!
-//! The scene is `fixtures/machined_part.scene.toml`: a flange, seen by depth cameras all around.
+//! The scene of most tests is `fixtures/machined_part.scene.toml`: a flange, seen by depth cameras all
+//! around.
 
 use std::collections::BTreeMap;
 use transect::evaluate::{EvaluateOptions, evaluate};
 use transect::{Reconstruction, Setup, Unwatched, reconstruct};
 use transect_device::{Isometry3, Vector3, View};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex, StraightGuide};
 use transect_register::PoseOutcome;
 use transect_scene::Description;
 
@@ -120,6 +121,34 @@ fn a_note_tells_that_views_lie_farther_apart_than_their_noise() {
     assert!(!is_told(&part.views, false), "exact poses");
     assert!(is_told(&moved, false), "perturbed poses");
     assert!(!is_told(&moved, true), "refined poses");
+}
+
+/// The inner face of the room's south wall is at y = 0, and pixels are some 25 mm apart on it.
+#[test]
+fn planes_along_a_face_are_told_as_such_and_not_as_wrong_poses() {
+    let description = Description::parse(transect_scene::BUNDLED_ROOM).unwrap();
+    let scene = description.scene();
+    let views = description.stations.iter().enumerate().map(|(k, station)| {
+        let (name, pose) = (station.name.clone(), station.world_from_sensor);
+        scene.view(name, station.frame().unwrap(), pose, &description.noise, k as u64).unwrap()
+    });
+    let views: Vec<View> = views.collect();
+    let run = |y: f64| {
+        let planes = PlaneFamily::new(StraightGuide::along(Vector3::y()).unwrap(), y, 100.0);
+        reconstruct(&views, &Setup::new(description.unit, planes.unwrap()), &Unwatched)
+    };
+    let told = |y: f64| {
+        let notes = run(y).unwrap().report.notes;
+        notes.iter().map(ToString::to_string).collect::<Vec<_>>().concat()
+    };
+    for y in [0.004, 0.01] {
+        let told = told(y);
+        assert!(told.contains("plane 0 runs along a face"), "{y}: {told}");
+        assert!(!told.contains("poses"), "{y}: {told}");
+    }
+    assert_eq!(told(2.3), "");
+    let behind = run(-0.004).unwrap_err().to_string();
+    assert!(behind.contains("Planes in a face or just behind it"), "{behind}");
 }
 
 #[test]
