@@ -77,7 +77,7 @@ mod timed_view;
 mod watch;
 
 pub use error::ReconstructError;
-pub use grow::{GrowError, Grower, Growth};
+pub use grow::{GrowError, Grower, Growth, correct_by_free_space};
 pub use options::OptionError;
 pub use pipeline::{Reconstruction, reconstruct};
 pub use poses::PoseReport;

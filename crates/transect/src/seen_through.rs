@@ -11,12 +11,12 @@
 //! curves on it alone, and a model store fuses those planes of a new view that it has curves on.
 
 use transect_device::{Isometry3, View};
-use transect_geometry::{Curve, EndReason, Node, PlaneFrame};
+use transect_geometry::{Curve, EndReason, Node, PlaneFrame, Point3};
 use transect_register::FreeSpace;
 
 /// Fewest views that look through a node. No unit. Chosen by hand: one view may have looked through
 /// a window. Doubled, three views of four no longer leave out what the fourth one saw.
-const LEAST_THROUGH: u32 = 2;
+pub(crate) const LEAST_THROUGH: u32 = 2;
 
 /// Nodes from one that is asked about to the next. No unit. Measured on 50 frames of a depth
 /// camera: asking about every node takes 1.4 % of a run more. Between two different answers, all
@@ -39,6 +39,11 @@ impl Witness {
     /// What a view at this pose looked through.
     pub(crate) fn new(world_from_sensor: &Isometry3, free: FreeSpace) -> Self {
         Self { sensor_from_world: world_from_sensor.inverse(), free }
+    }
+
+    /// Whether the view looked through a world point.
+    pub(crate) fn looked_through(&self, in_world: &Point3) -> bool {
+        self.free.holds(&(self.sensor_from_world * in_world))
     }
 }
 
@@ -64,8 +69,7 @@ pub fn without_seen_through(
     }
     let is_through = |node: &Node| {
         let place = frame.world_from_plane(&node.position);
-        let looked = |w: &&&Witness| w.free.holds(&(w.sensor_from_world * place));
-        let through = witnesses.iter().filter(looked).count() as u32;
+        let through = witnesses.iter().filter(|w| w.looked_through(&place)).count() as u32;
         through >= LEAST_THROUGH && through > node.view_count()
     };
     let nodes = |curves: &[Curve]| curves.iter().map(|curve| curve.nodes().len()).sum::<usize>();

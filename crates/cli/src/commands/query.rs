@@ -6,10 +6,11 @@ use super::planes::parse_numbers;
 use crate::failure::Failure;
 use crate::table::{Lengths, print_csv, print_grid};
 use std::path::PathBuf;
+use transect::{Setup, correct_by_free_space};
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
 use transect_model::{Location, SpaceAnswer};
-use transect_workflow::ModelFile;
+use transect_workflow::{ModelFile, OpenStore};
 
 /// Options of `query`.
 #[derive(Debug, clap::Args)]
@@ -52,11 +53,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failure> {
     match file {
         ModelFile::Plain(model) => Ok(points.iter().map(|p| model.locate(p)).collect()),
-        ModelFile::Store(store) => {
-            let mut query = SpaceQuery::new(*store.snapshot, SpaceQuery::DEFAULT_CAPACITY);
-            points.iter().map(|p| Ok(query.locate(p)?)).collect()
-        }
+        ModelFile::Store(store) => answers_of_store(store, points),
     }
+}
+
+/// The answers by the nearest curves, corrected by what the store's views looked through.
+fn answers_of_store(file: OpenStore, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failure> {
+    let OpenStore { snapshot, store, .. } = file;
+    let free_space = Setup::of_store(snapshot.header()).is_ok_and(|setup| setup.free_space);
+    let mut query = SpaceQuery::new(*snapshot, SpaceQuery::DEFAULT_CAPACITY);
+    let answers: Result<Vec<SpaceAnswer>, Failure> =
+        points.iter().map(|p| Ok(query.locate(p)?)).collect();
+    let mut answers = answers?;
+    let corrected = match free_space {
+        true => correct_by_free_space(&store.read()?, points, &mut answers)?,
+        false => 0,
+    };
+    if corrected > 0 {
+        eprintln!(
+            "note: {corrected} of {} points are inside by their nearest curve, but views looked \
+             through them. They are unknown if one view did, and outside if several did",
+            points.len()
+        );
+    }
+    Ok(answers)
 }
 
 /// Prints a line per point with a distance in all its digits; it is empty where no curve is near.

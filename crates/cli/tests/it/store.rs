@@ -119,6 +119,23 @@ fn models_and_stores_answer_alike() {
     }
 }
 
+/// A point behind the post, past which the other two cameras look, and one in the post.
+#[test]
+fn a_store_knows_what_its_views_looked_through() {
+    let folder = Folder::simulated("post.scene.toml");
+    let ask = |options: &str| {
+        grow(&folder, &format!("scan {options}")).succeeded();
+        let run = folder.run("query s.transect --csv 0,0.9,0.113 0,-0.1,0.113").succeeded();
+        let words = run.stdout.lines().skip(1).map(|l| l.split(',').nth(3).unwrap_or_default());
+        (words.collect::<Vec<_>>().join(" "), run.told("note").len())
+    };
+    assert_eq!(ask("--views 0"), ("inside inside".to_owned(), 0));
+    assert_eq!(ask("--views 1"), ("unknown inside".to_owned(), 1));
+    assert_eq!(ask("--views 2"), ("outside inside".to_owned(), 1));
+    std::fs::remove_file(folder.path("s.transect")).unwrap();
+    assert_eq!(ask("--keep-seen-through"), ("inside inside".to_owned(), 0));
+}
+
 /// Options that a command would ignore are refused, and advice names the option that helps.
 #[test]
 fn options_of_a_store_are_told() {

@@ -16,8 +16,9 @@
 //! **Limits of an answer.** The ground between a point and its nearest curve may be unseen and may
 //! hide a surface that would change the answer. `Inside` and `Outside` are therefore statements
 //! about the nearest *observed* surface. The answer has the distance to it, so that a caller can
-//! set a limit. Where all curves of a plane are closed and do not cross, the answer is that of the
-//! winding number. At a corner with a repeated node, one of the two units decides alone.
+//! set a limit. Views of a store tell more: `transect::correct_by_free_space` finds the points that
+//! they looked through. Where all curves of a plane are closed and do not cross, the answer is that
+//! of the winding number. At a corner with a repeated node, one of the two units decides alone.
 //!
 //! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an index
 //! O(n). Do not use it for points within rounding of a curve, which count as inside.

@@ -26,10 +26,12 @@ mod error;
 mod fuser;
 mod judged;
 mod kept_image;
+mod looked_through;
 mod registration;
 mod repeated;
 
 pub use error::GrowError;
+pub use looked_through::correct_by_free_space;
 
 use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, no_curves, surface_sigma};

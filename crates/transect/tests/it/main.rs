@@ -11,6 +11,7 @@ mod bend_tunnel;
 mod brackets;
 mod far_views;
 mod grow;
+mod looked_through;
 mod next_view;
 mod objects;
 mod people;
