@@ -14,9 +14,9 @@
 //! 5. Solid around such a loop, or around a clear one, has no known bound if no loop is around it.
 //!    The plane's solid is then unbounded.
 //!
-//! 6. A loop that the usable distance of a curved guide cuts goes on beyond it. Neither kind then has
-//!    a known largest area, and a face around such a loop is at least 0. The chord of the cut runs
-//!    within the usable distance, so the least area of the loop's own face stays.
+//! 6. A loop that the usable distance of a curved guide cuts goes on beyond it. Neither kind then
+//!    has a known largest area, and a face around such a loop is at least 0. The chord of the cut
+//!    runs within the usable distance, so the least area of the loop's own face stays.
 //!
 //! What lies wholly beyond the usable distance is not in the brackets. A closed surface that no
 //! view saw at all cannot be bounded, and is not in them, either.

@@ -1,8 +1,8 @@
 //! Refined poses, from images to sections: good poses stay good, bad ones become better, and the
 //! result depends neither on threads nor on the order of the views.
 //!
-//! The scene of most tests is `fixtures/machined_part.scene.toml`: a flange, seen by depth cameras all
-//! around.
+//! The scene of most tests is `fixtures/machined_part.scene.toml`: a flange, seen by depth cameras
+//! all around.
 
 use std::collections::BTreeMap;
 use transect::evaluate::{EvaluateOptions, evaluate};
