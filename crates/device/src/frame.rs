@@ -1,6 +1,8 @@
 //! The device frame of a sensor (dissertation, section 3.3): the trait every backend implements.
 
-use crate::{ImageSize, Pixel, Point3, RangeImage, RayProducts, SeparableForm, Vector3};
+use crate::{
+    ImageSize, PinholeScale, Pixel, Point3, RangeImage, RayProducts, SeparableForm, Vector3,
+};
 use std::sync::Arc;
 
 /// The ray of one pixel in the sensor frame.
@@ -179,6 +181,12 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// The largest angle among the sensor's parameters, in radians, for a check of its unit; `None`
     /// without angles whose range the sensor leaves open.
     fn largest_angle(&self) -> Option<f64> {
+        None
+    }
+
+    /// The length that pixels hold, of a camera whose files may hold another one; `None` of other
+    /// sensors.
+    fn pinhole_scale(&self) -> Option<PinholeScale> {
         None
     }
 

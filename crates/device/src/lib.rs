@@ -4,7 +4,7 @@
 //! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
 //! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! [`DepthOffsets`] and [`ImageOrder`] correct whole images. [`Note`], [`median()`] and
+//! [`DepthOffsets`], [`ImageOrder`] and [`PinholeScale`] correct whole images. [`Note`], [`median()`] and
 //! [`quantile()`] are here because nearly all crates need them. The crate holds the equations of no
 //! sensor, reads no file and does not use the images. To add a sensor, implement [`DeviceFrame`];
 //! see `transect-sensors` for examples.
@@ -17,6 +17,7 @@ mod depth_offsets;
 mod frame;
 mod image_order;
 mod note;
+mod pinhole_scale;
 mod quantile;
 mod range_image;
 mod separable;
@@ -28,6 +29,7 @@ pub use frame::{
 };
 pub use image_order::ImageOrder;
 pub use note::Note;
+pub use pinhole_scale::PinholeScale;
 pub use quantile::{median, quantile};
 pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
 pub use separable::{RayProduct, RayProducts, SeparableForm};

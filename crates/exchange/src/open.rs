@@ -60,7 +60,7 @@ const FORMATS: [Format; 9] = [
         name: "a folder of depth images with poses and a camera (TUM, ICL-NUIM, ScanNet, 7-Scenes, \
                Open3D)",
         recognise: depth_sequence::is_one,
-        uses: &["poses", "camera", "depth_scale", "max_time_difference"],
+        uses: &["poses", "camera", "depth_scale", "pixels_hold", "max_time_difference"],
         open: depth_sequence::open,
         manifest: Some(|folder, options| {
             Ok(depth_sequence_manifest(folder, FileNames::Relative, options)?.0)

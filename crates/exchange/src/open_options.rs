@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use transect_device::{ImageOrder, ImageSize};
 use transect_geometry::LengthUnit;
-use transect_sensors::Intrinsics;
+use transect_sensors::{Intrinsics, PinholeScale};
 
 /// How a scan is opened.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,6 +20,8 @@ pub struct OpenOptions {
     pub camera: Option<CameraOption>,
     /// Length units per count of integer depth images, in place of the layout's convention.
     pub depth_scale: Option<f64>,
+    /// The length that each pixel of a sequence of depth images holds; depth if not stated.
+    pub pixels_hold: Option<PinholeScale>,
     /// Largest difference between the times of an image and of its pose, in seconds.
     pub max_time_difference: Option<f64>,
     /// Rows and columns of a point file whose header states no grid.
@@ -43,6 +45,7 @@ impl OpenOptions {
             ("poses", self.poses.is_some()),
             ("camera", self.camera.is_some()),
             ("depth_scale", self.depth_scale.is_some()),
+            ("pixels_hold", self.pixels_hold.is_some()),
             ("max_time_difference", self.max_time_difference.is_some()),
             ("grid", self.grid.is_some()),
             ("rings", self.rings.is_some()),

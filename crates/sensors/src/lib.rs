@@ -25,5 +25,8 @@ pub use error::SensorError;
 pub use imaging_radar::{AngularScan, ImagingRadar};
 pub use light_stripe::{LaserAngles, LightStripe, LightStripeParameters};
 pub use lookup_table::LookupTable;
-pub use pinhole::{Intrinsics, Pinhole, PinholeScale, RayTable};
+pub use pinhole::{Intrinsics, Pinhole, RayTable};
 pub use point_grid::{CarriedPinhole, PointGrid, RayStarts};
+
+// Frames state it, so it is defined beside their trait.
+pub use transect_device::PinholeScale;

@@ -84,7 +84,7 @@ pub fn reconstruct<S: ViewSource>(
         _ => model_views(sources, setup, watch, wanted)?,
     };
     let facts: Vec<_> = facts.iter().map(Some).collect();
-    let again = |order| reread(sources, order, CoarseView::quick);
+    let again = |reading| reread(sources, reading, CoarseView::quick);
     let stated = stated(sources);
     let judge = |copies| PoseReport::of_given(copies, stated.as_ref(), again, setup);
     let judged = copies.map(judge);

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
-use transect_device::{ImageOrder, Note};
+use transect_device::{ImageOrder, Note, PinholeScale};
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
@@ -63,6 +63,8 @@ struct Stated {
     camera: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     depth_scale: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixels_hold: Option<PinholeScale>,
     /// In seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     max_time_difference: Option<f64>,
@@ -84,6 +86,7 @@ impl Stated {
             poses: options.poses.as_deref().map(readable),
             camera,
             depth_scale: options.depth_scale,
+            pixels_hold: options.pixels_hold,
             max_time_difference: options.max_time_difference,
             grid: options.grid.map(|size| [size.rows, size.cols]),
             rings: options.rings,

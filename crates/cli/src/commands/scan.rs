@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::notes;
 use std::path::{Path, PathBuf};
 use transect::register::PoseReading;
-use transect_device::{ImageOrder, ImageSize};
+use transect_device::{ImageOrder, ImageSize, PinholeScale};
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
 use transect_workflow::{OpenScan, Selection, ViewList};
@@ -74,6 +74,11 @@ pub struct DepthArguments {
     /// Metres per count of a folder's depth images, such as 0.001.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     depth_scale: Option<f64>,
+    /// Read the pixels of a folder's depth images as depths along the optical axis, which is the
+    /// default, or as lengths of rays.
+    #[arg(long, value_name = "NAME",
+        value_parser = named(PinholeScale::ALL.map(|scale| (scale.name(), scale))))]
+    pixels_hold: Option<PinholeScale>,
     /// Largest difference between the times of a depth image and of the nearest pose, in seconds;
     /// 0.02 if not stated.
     #[arg(long, value_name = "SECONDS")]
@@ -141,7 +146,7 @@ impl DepthArguments {
     pub fn options(&self) -> OpenOptions {
         let mut options = OpenOptions::default();
         (options.poses, options.camera) = (self.poses.clone(), self.camera.clone());
-        options.depth_scale = self.depth_scale;
+        (options.depth_scale, options.pixels_hold) = (self.depth_scale, self.pixels_hold);
         options.max_time_difference = self.max_time_difference;
         options
     }

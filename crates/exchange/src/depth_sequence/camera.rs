@@ -45,10 +45,10 @@ impl Camera {
         (Self { intrinsics, ..self }, turned)
     }
 
-    pub(super) fn sensor(&self) -> SensorEntry {
+    /// The sensor of images whose pixels hold this length.
+    pub(super) fn sensor(&self, holds: PinholeScale) -> SensorEntry {
         let lens =
             LensEntry::Intrinsics { intrinsics: self.intrinsics, distortion: self.distortion };
-        let holds = PinholeScale::Depth;
         SensorEntry::Pinhole(PinholeEntry { lens, holds, depth_offsets: None })
     }
 }

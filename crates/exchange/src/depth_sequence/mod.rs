@@ -89,7 +89,8 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
         let pose = if turned { with_y_turned(*pose) } else { *pose };
         let rows = camera.rows.or(sample.size.map(|size| size.rows));
         let cols = camera.cols.or(sample.size.map(|size| size.cols));
-        Ok(ViewEntry { name, rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) })
+        let sensor = camera.sensor(options.pixels_hold.unwrap_or_default());
+        Ok(ViewEntry { name, rows, cols, scale, ..ViewEntry::new(file, sensor, pose) })
     };
     let views = images.iter().zip(&association.poses).map(view);
     let views = views.collect::<Result<_, ReadError>>()?;
@@ -97,6 +98,11 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     let manifest = Manifest { unit: Some(LengthUnit::Metre), ..Manifest::new(name, views) };
     let about = |text: &str| Note::about(folder.display(), text);
     let mut notes = vec![about(&format!("metres, {kind}{}", sample.depths(scale)))];
+    notes.extend(
+        options
+            .pixels_hold
+            .map(|scale| about(&format!("images are read as asked for: {}", scale.meaning()))),
+    );
     notes.extend(turned.then(|| about(Y_TURNED)));
     notes.extend(association.notes);
     let camera_file = match layout.camera {

@@ -5,7 +5,8 @@ use crate::test_data::{IDENTITY_POSE, in_unit, lines, shared, write_png};
 use crate::{ScanView, write_npy_image};
 use std::fs;
 use tempfile::TempDir;
-use transect_device::ImageSize;
+use transect_device::{ImageSize, Pixel};
+use transect_sensors::PinholeScale;
 
 const MATRIX: &str = "2 0 0.5\n0 2 0.5\n0 0 1\n";
 
@@ -233,8 +234,8 @@ fn cameras_are_read_from_open3d_realsense_and_text() {
         Camera::read(&CameraOption::File(path)).map_err(|e| crate::test_data::with_causes(&e))
     };
     for text in [open3d, realsense, &view, MATRIX, "# fx fy cx cy\n2 2 0.5 0.5"] {
-        let wanted = camera(MATRIX).unwrap().sensor();
-        assert_eq!(camera(text).map(|c| c.sensor()), Ok(wanted), "{text}");
+        let wanted = camera(MATRIX).unwrap().sensor(PinholeScale::Depth);
+        assert_eq!(camera(text).map(|c| c.sensor(PinholeScale::Depth)), Ok(wanted), "{text}");
     }
     assert_eq!(camera(open3d).map(|c| (c.rows, c.cols)), Ok((Some(2), Some(2))));
     let bent = realsense.replace("[0.0,", "[0.1,");
@@ -463,4 +464,26 @@ fn red_kitchen_opens_with_its_rounded_rotations_repaired() {
     assert_eq!(view.image().size().to_string(), "480 rows × 640 columns");
     let (nearest, farthest) = view.image().extremes().unwrap();
     assert!(nearest > 0.8 && farthest < 4.0, "metres: {nearest} to {farthest}");
+}
+
+#[test]
+fn lengths_of_rays_are_read_as_such_if_that_is_stated() {
+    let files = [
+        ("camera-intrinsics.txt", MATRIX),
+        ("frame-000000.depth.png", "2000"),
+        ("frame-000000.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"),
+    ];
+    let folder = folder(&files);
+    let corner = |pixels_hold| {
+        let options = OpenOptions { pixels_hold, ..OpenOptions::default() };
+        let scan = Scan::open_with(folder.path(), &options).unwrap();
+        let (view, _) = scan.views[0].load().unwrap();
+        let point = view.frame().point(Pixel::new(0, 0), 2.0).unwrap();
+        (point.z, point.coords.norm(), scan.notes.len())
+    };
+    let (depth, _, notes) = corner(None);
+    assert_eq!(depth, 2.0);
+    let (_, length, notes_if_stated) = corner(Some(PinholeScale::RayLength));
+    assert!((length - 2.0).abs() < 1e-12, "{length}");
+    assert_eq!(notes_if_stated, notes + 1);
 }

@@ -9,7 +9,7 @@ use super::distances::best_factor;
 use crate::coarse::CoarseView;
 use crate::judge::pair::{Placing, Probe};
 use std::fmt;
-use transect_device::{ImageOrder, Isometry3, Vector3};
+use transect_device::{ImageOrder, Isometry3, PinholeScale, Vector3};
 
 /// Share of agreeing patches, and of contradicting ones, with which poses need no other reading. No
 /// unit. Measured on the bundled scenes and on real scans: sound poses have 0.6 and 0.05. Doubled,
@@ -50,6 +50,8 @@ pub enum Reading {
     AsStated,
     /// The pixels of the images are stored in another order.
     Image(ImageOrder),
+    /// The pixels of all images hold this length, where they were read as the other one.
+    PixelsHold(PinholeScale),
     /// The distances of all images, times this factor, fit the positions of the poses.
     Distances(f64),
 }
@@ -61,6 +63,7 @@ impl Reading {
             Self::Pose(reading) => reading.meaning().to_owned(),
             Self::AsStated => "the poses are as the file states them".to_owned(),
             Self::Image(order) => order.meaning().to_owned(),
+            Self::PixelsHold(scale) => scale.meaning().to_owned(),
             Self::Distances(factor) => {
                 format!("the distances in all images are {factor} times as large")
             }
@@ -75,6 +78,7 @@ impl fmt::Display for Reading {
             Self::Pose(reading) => write!(f, "the setting `pose_convention` {reading}"),
             Self::AsStated => f.write_str("no setting `pose_convention`"),
             Self::Image(order) => write!(f, "the setting `image_order` {order}"),
+            Self::PixelsHold(scale) => write!(f, "the setting `pixels_hold` {scale}"),
             Self::Distances(factor) => write!(f, "distances times {factor}"),
         }
     }
@@ -86,6 +90,7 @@ impl serde::Serialize for Reading {
             Self::Pose(reading) => reading.serialize(out),
             Self::AsStated => out.serialize_str("as-stated"),
             Self::Image(order) => order.serialize(out),
+            Self::PixelsHold(scale) => out.serialize_str(scale.name()),
             Self::Distances(factor) => out.serialize_f64(*factor),
         }
     }
@@ -115,7 +120,13 @@ pub struct FoundReading {
 impl FoundReading {
     /// Whether views that have been refined agree about as well as under the reading. If they do
     /// not, the refinement did not find what the reading explains.
+    ///
+    /// Refinement takes the wrong meaning of pixels for an error of the camera, and bends the poses
+    /// to the rest. It never matches a reading of that kind.
     pub fn is_matched_by(&self, refined: &[CoarseView]) -> bool {
+        if matches!(self.reading, Reading::PixelsHold(_)) {
+            return false;
+        }
         let all: Vec<&CoarseView> = refined.iter().collect();
         let found = accord(&all, &probes_of(&all), Placing::given);
         BETTER * found.score() >= self.read.score()
@@ -129,12 +140,13 @@ impl FoundReading {
 /// as the file states them. Other conventions are then applied to the poses of the file, and the
 /// poses of the file are a reading, too.
 ///
-/// `reread` makes copies of all views whose images are read in another order; `None` where the
-/// sensors have one order only. It is called only where the views contradict each other.
+/// `reread` makes copies of all views whose images are read by [`Reading::Image`] or
+/// [`Reading::PixelsHold`]; `None` where the sensors allow no such reading. It is called only where
+/// the views contradict each other.
 pub fn find_reading(
     views: &[CoarseView],
     stated: Option<&StatedPoses>,
-    reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
+    reread: impl Fn(Reading) -> Option<Vec<CoarseView>>,
 ) -> Option<FoundReading> {
     let all: Vec<&CoarseView> = views.iter().collect();
     let probes = probes_of(&all);
@@ -144,10 +156,12 @@ pub fn find_reading(
     }
     let stated = stated.filter(|stated| stated.poses.len() == views.len());
     let of_poses = of_poses(&all, &probes, given, stated);
-    let of_images = ImageOrder::ALL.into_iter().filter_map(|order| {
-        let views = reread(order)?;
+    let orders = ImageOrder::ALL.into_iter().map(Reading::Image);
+    let of_images = orders.chain(PinholeScale::ALL.map(Reading::PixelsHold));
+    let of_images = of_images.filter_map(|reading| {
+        let views = reread(reading)?;
         let views: Vec<&CoarseView> = views.iter().collect();
-        Some((Reading::Image(order), accord(&views, &probes_of(&views), Placing::given)))
+        Some((reading, accord(&views, &probes_of(&views), Placing::given)))
     });
     let of_distances =
         best_factor(&all, &probes, BETTER).map(|(factor, read)| (Reading::Distances(factor), read));

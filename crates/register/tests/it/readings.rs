@@ -5,8 +5,10 @@ use crate::common::{
     Stored, coarse, described, real, real_files, simulated, simulated_files, turned,
 };
 use proptest::prelude::*;
-use transect_device::{ImageOrder, Isometry3, Vector3, View};
+use std::sync::Arc;
+use transect_device::{ImageOrder, Isometry3, PinholeScale, RangeImage, Vector3, View};
 use transect_register::{CoarseView, FoundReading, PoseReading, Reading, find_reading};
+use transect_sensors::RayTable;
 
 /// What explains views whose images have one order only.
 fn explained(views: &[View]) -> Option<FoundReading> {
@@ -19,7 +21,10 @@ fn explained_files(files: &[Stored]) -> Option<FoundReading> {
         let copy = |file: &Stored| Some(CoarseView::new(&file.read()?));
         files.iter().map(copy).collect()
     };
-    let reread = |order| copies(files.iter().map(|file| file.in_order(order)).collect());
+    let reread = |reading| match reading {
+        Reading::Image(order) => copies(files.iter().map(|file| file.in_order(order)).collect()),
+        _ => None,
+    };
     find_reading(&copies(files.to_vec()).unwrap(), None, reread)
 }
 
@@ -52,6 +57,51 @@ fn wrong_orders_of_simulated_images_are_named() {
 fn wrong_orders_of_real_images_are_named() {
     if let Some(files) = real_files("rgbd_redkitchen") {
         every_wrong_order_is_named("rgbd_redkitchen", &files, &ImageOrder::ALL);
+    }
+}
+
+/// What explains views whose pixels may hold another length.
+fn explained_by_pixels(views: &[View]) -> Option<FoundReading> {
+    find_reading(&coarse(views), None, |reading| match reading {
+        Reading::PixelsHold(scale) => {
+            views.iter().map(|view| Some(CoarseView::new(&scale.reread(view)?))).collect()
+        }
+        _ => None,
+    })
+}
+
+/// The view of a camera that is read by `stated`, and whose image holds `held`.
+fn read_by(stated: PinholeScale, held: PinholeScale, view: &View) -> View {
+    let (camera, image) = (view.frame(), view.image());
+    let size = image.size();
+    let rays = size.all_pixels().map(|p| camera.ray(p).unwrap().direction).collect();
+    let frame = RayTable::new(size, rays, stated).unwrap();
+    let value = |p| Some(held.value(&camera.point(p, f64::from(image.get(p)?))?) as f32);
+    let values = size.all_pixels().map(|p| value(p).unwrap_or(f32::NAN)).collect();
+    let image = RangeImage::from_values(size, values).unwrap();
+    let (pose, sigma) = (*view.world_from_sensor(), view.sigma());
+    View::new(view.name(), image, Arc::new(frame), pose, sigma).unwrap()
+}
+
+fn the_wrong_length_is_named(name: &str, views: &[View]) {
+    use PinholeScale::{Depth, RayLength};
+    for (stated, held) in [(Depth, RayLength), (RayLength, Depth)] {
+        let read = |held| views.iter().map(|v| read_by(stated, held, v)).collect::<Vec<_>>();
+        assert_eq!(explained_by_pixels(&read(stated)), None, "{name}, {stated}");
+        let found = explained_by_pixels(&read(held));
+        let reading = found.map(|found| found.reading);
+        assert_eq!(reading, Some(Reading::PixelsHold(held)), "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn lengths_of_rays_that_are_read_as_depths_are_named() {
+    for name in ["face_mask", "machined_part", "kitchen"] {
+        the_wrong_length_is_named(name, &simulated(name, ""));
+    }
+    if let Some(views) = real("rgbd_redkitchen") {
+        let some: Vec<View> = views.into_iter().step_by(4).collect();
+        the_wrong_length_is_named("rgbd_redkitchen", &some);
     }
 }
 

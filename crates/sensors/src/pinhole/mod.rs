@@ -24,38 +24,9 @@ use crate::error::{SensorError, require};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
-    RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PinholeScale, Pixel,
+    Point3, RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
-
-/// The meaning of a camera's values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PinholeScale {
-    /// Depth along the optical axis z.
-    #[default]
-    Depth,
-    /// Distance from the camera, along the ray.
-    RayLength,
-}
-
-impl PinholeScale {
-    /// The direction scaled so that the value times it is the point.
-    fn per_value(self, direction: Vector3) -> Vector3 {
-        match self {
-            Self::Depth => direction / direction.z,
-            Self::RayLength => direction / direction.norm(),
-        }
-    }
-
-    /// The value of a point.
-    fn value(self, p: &Point3) -> f64 {
-        match self {
-            Self::Depth => p.z,
-            Self::RayLength => p.coords.norm(),
-        }
-    }
-}
 
 /// Focal lengths and principal point, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -134,6 +105,10 @@ impl DeviceFrame for Pinhole {
 
     fn handedness(&self) -> Handedness {
         Handedness::ColumnsRight
+    }
+
+    fn pinhole_scale(&self) -> Option<PinholeScale> {
+        Some(self.scale)
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {

@@ -17,14 +17,13 @@
 //! method; 5 steps reach rounding, since a cell of rays is nearly flat. Outside all cells there is
 //! no pixel: `None`. Cost: some hundred dot products per point. All rays must start in one point.
 
-use super::PinholeScale;
 use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
 use nalgebra::{Matrix2, Vector2};
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, Pixel, Point3, Ray, SensorPlane,
-    Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, PinholeScale, Pixel, Point3, Ray,
+    SensorPlane, Vector3,
 };
 
 /// Rays per side of the coarsest grid of pixels, where the search starts. Chosen by hand. Doubled,
@@ -187,6 +186,10 @@ impl DeviceFrame for RayTable {
 
     fn handedness(&self) -> Handedness {
         self.handedness
+    }
+
+    fn pinhole_scale(&self) -> Option<PinholeScale> {
+        Some(self.scale)
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {

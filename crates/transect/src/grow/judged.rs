@@ -28,7 +28,7 @@ pub(super) struct Judged {
 }
 
 /// Judges the poses of a store: of all views, or if there are many, of `new` ones and those around
-/// them. Images are read in another order only if all of these views are among the sources.
+/// them. Images are read in another way only if all of these views are among the sources.
 pub(super) fn judged<S: ViewSource>(
     snapshot: &Snapshot,
     new: &BTreeSet<ViewId>,
@@ -51,7 +51,8 @@ pub(super) fn judged<S: ViewSource>(
     });
     let known: BTreeSet<&str> = sources.iter().map(ViewSource::id).collect();
     let all_known = views.iter().all(|view| known.contains(view.entry.id.0.as_str()));
-    let again = |order| if all_known { reread(sources, order, CoarseView::quick) } else { None };
+    let again =
+        |reading| if all_known { reread(sources, reading, CoarseView::quick) } else { None };
     let several = copies.len() > 1;
     let judge =
         || PoseReport { in_store: true, ..PoseReport::of_given(copies, None, again, setup) };

@@ -126,7 +126,7 @@ impl PoseReport {
         let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
         let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
         let advice = match (self.in_store, reading) {
-            (true, Reading::Pose(_) | Reading::Image(_)) => format!(
+            (true, Reading::Pose(_) | Reading::Image(_) | Reading::PixelsHold(_)) => format!(
                 "A store reads its scans as they are: write each scan anew, registered with \
                  {reading}, and make the store of those"
             ),
@@ -341,6 +341,12 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
                  upright, y points up in the camera and in the poses (as in ICL-NUIM), and that \
                  setting would mirror the model: for a folder of depth images, state fy as a \
                  negative number (the setting `camera` FX,-FY,CX,CY)"
+            );
+        }
+        (Reading::PixelsHold(scale), _) => {
+            return format!(
+                "Pass {reading} for a folder of depth images. In scan.json, state \"holds\": \
+                 \"{scale}\" for each of its depth cameras"
             );
         }
         (Reading::AsStated, _) => return "Leave out the setting `pose_convention`".to_owned(),

@@ -5,8 +5,8 @@
 //!
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
-//!    agree under another convention, and images in another order, are recognised
-//!    ([`find_reading`]).
+//!    agree under another convention, images in another order, and pixels that hold another length
+//!    are recognised ([`find_reading`]).
 //! 2. The poses are refined together ([`refine`]), if that is asked for.
 //!    Poses that need another reading even then stay as given.
 //! 3. What still contradicts is found ([`judge`]).
@@ -22,11 +22,11 @@ use along_faces::along_faces;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use transect_device::{ImageOrder, View};
+use transect_device::View;
 use transect_geometry::{LengthUnit, PlaneIndex};
 use transect_register::{
-    CoarseView, Finding, FoundReading, Judgement, PoseRefinement, RefineOptions, RefinedPose,
-    StatedPoses, find_reading, judge, refine,
+    CoarseView, Finding, FoundReading, Judgement, PoseRefinement, Reading, RefineOptions,
+    RefinedPose, StatedPoses, find_reading, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -77,14 +77,19 @@ fn coarse_views<S: ViewSource>(
     copies.into_iter().collect()
 }
 
-/// Coarse copies of all views, their images read in another order of pixels; `None` if a view
-/// cannot be. Copies that are compared with others are to be of the same kind.
+/// Coarse copies of all views, their images read in another order of pixels, or their pixels as
+/// another length; `None` if a view cannot be. Copies that are compared with others are to be of
+/// the same kind.
 pub(crate) fn reread<S: ViewSource>(
     sources: &[S],
-    order: ImageOrder,
+    reading: Reading,
     of_view: fn(&View) -> CoarseView,
 ) -> Option<Vec<CoarseView>> {
-    let copy = |source: &S| Some(of_view(&source.load_in(order)?.ok()?.view));
+    let copy = |source: &S| match reading {
+        Reading::Image(order) => Some(of_view(&source.load_in(order)?.ok()?.view)),
+        Reading::PixelsHold(scale) => Some(of_view(&scale.reread(&source.load().ok()?.view)?)),
+        Reading::Pose(_) | Reading::AsStated | Reading::Distances(_) => None,
+    };
     sources.par_iter().map(copy).collect()
 }
 
@@ -109,7 +114,7 @@ impl PoseReport {
         watch: &dyn Watch,
     ) -> Result<Self, ReconstructError> {
         let mut copies = coarse_views(sources, watch)?;
-        let again = |order| reread(sources, order, CoarseView::new);
+        let again = |reading| reread(sources, reading, CoarseView::new);
         let stated = stated(sources);
         let mut found_reading = find_reading(&copies, stated.as_ref(), again);
         let options = options.filter(|_| !are_unregistered(&copies));
@@ -152,11 +157,11 @@ impl PoseReport {
     }
 
     /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
-    /// in another order.
+    /// in another way.
     pub(crate) fn of_given(
         copies: Vec<CoarseView>,
         stated: Option<&StatedPoses>,
-        reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
+        reread: impl Fn(Reading) -> Option<Vec<CoarseView>>,
         setup: &Setup,
     ) -> Self {
         Self {
