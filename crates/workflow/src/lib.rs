@@ -65,6 +65,7 @@ mod costs;
 mod error;
 pub mod explain;
 mod faces;
+mod far_away;
 mod method_settings;
 mod model_file;
 mod outputs;

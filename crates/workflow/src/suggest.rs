@@ -10,6 +10,7 @@
 //! 3. The **offset** puts a plane within the extent along the normal. It keeps the planes away from
 //!    faces that are parallel to them.
 
+use crate::far_away::{far_away, sentence, without};
 use crate::survey::{SensorClass, ViewSurvey};
 use crate::table::Quantity;
 use crate::{OpenScan, PlaneSettings, Settings, WorkflowError};
@@ -70,6 +71,9 @@ pub struct Suggestion {
     pub planes: PlanesEntry,
     /// Where the normal comes from; `None` if it was given.
     pub reason: Option<&'static str>,
+    /// What to do about views that lie far away from the others, and were left out; `None` if no
+    /// view does.
+    pub far_away: Option<String>,
     unit: LengthUnit,
 }
 
@@ -109,9 +113,10 @@ impl OpenScan {
         let reason = suggestion.reason.map_or(String::new(), |r| format!(" The normal is {r}."));
         let note = Note::new(format!(
             "neither the scan nor the options state all planes; suggested planes are used: {}.\
-             {reason} Pass {} for others",
+             {reason} Pass {} for others{}",
             suggestion.options(),
-            open_options(&settings.planes)
+            open_options(&settings.planes),
+            suggestion.far_away.map_or_else(String::new, |text| format!(". But {text}"))
         ));
         self.set_planes(suggestion.planes, note.clone());
         Ok(note)
@@ -133,6 +138,9 @@ impl OpenScan {
         settings: &PlaneSettings,
     ) -> Result<Suggestion, WorkflowError> {
         let unit = self.scan().unit;
+        let away = far_away(views);
+        let far_away = sentence(views, &away, unit);
+        let views = &without(views, &away);
         let (normal, reason) = match settings.normal {
             Some(normal) => (normal, None),
             None => upward(views),
@@ -156,7 +164,7 @@ impl OpenScan {
         let mut planes = PlanesEntry::new(normal, offset, interval);
         let reason = reason.filter(|_| curved.is_none());
         planes.guide = curved;
-        Ok(Suggestion { planes, reason, unit })
+        Ok(Suggestion { planes, reason, far_away, unit })
     }
 }
 

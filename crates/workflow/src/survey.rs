@@ -9,7 +9,7 @@ use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;
-use transect_device::{ImageSize, Note, Pixel, Point3, Vector3, View, median};
+use transect_device::{ImageSize, Isometry3, Note, Pixel, Point3, Vector3, View, median};
 use transect_exchange::ScanView;
 use transect_image::estimate_sigma;
 
@@ -61,6 +61,8 @@ pub struct ViewSurvey {
     pub refusal: Option<String>,
     /// What the checks of a whole scan compare; `None` where nothing was checked.
     pub(crate) look: Option<Look>,
+    /// Whether its pose is the identity, as that of a view whose file states none.
+    pub(crate) is_unposed: bool,
     /// Direction in the world that is up for the view.
     pub(crate) up: Vector3,
     /// Evenly thinned points and surface normals in the world.
@@ -175,6 +177,7 @@ impl ViewSurvey {
             notes,
             refusal: None,
             look: None,
+            is_unposed: *pose == Isometry3::identity(),
             up: pose * up(view, sensor),
             step: median(coarse.iter().map(|s| s.spacings()[1])),
             surface: coarse.iter().filter_map(place).collect(),

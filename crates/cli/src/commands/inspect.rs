@@ -162,6 +162,9 @@ fn command(scan: &OpenScan, views: &[(usize, ViewSurvey)]) -> Result<String, Fai
         let reason = suggestion.reason.unwrap_or_default();
         say(&format!("\nsuggested planes: {}", suggestion.options()));
         say(&format!("the normal is {reason}"));
+        if let Some(text) = &suggestion.far_away {
+            notes::warn(std::slice::from_ref(text));
+        }
         command = format!("{command} {}", suggestion.options());
     }
     Ok(command)
