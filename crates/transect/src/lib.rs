@@ -68,6 +68,7 @@ mod pose_error;
 mod poses;
 mod refine;
 mod refinement;
+mod repeated;
 mod report;
 mod seen_through;
 mod settings;

@@ -1,5 +1,6 @@
 //! From a view to its curves on every plane it crosses.
 
+use crate::fingerprint::fingerprint;
 use crate::fused::ViewFacts;
 use crate::packed::PackedCurves;
 use crate::report::ViewReport;
@@ -16,6 +17,8 @@ use transect_register::CoarseView;
 /// The curves of a view and its part of the report. The view itself is dropped.
 pub(crate) struct ModelledView<C = PackedCurves> {
     pub world_from_sensor: Isometry3,
+    /// A hash of the image; empty where nothing compares it.
+    pub fingerprint: String,
     pub sigma: Option<f64>,
     /// The planes it crosses, sorted, each with its curves.
     pub planes: Vec<(PlaneIndex, C)>,
@@ -49,6 +52,7 @@ impl TimedView {
         Ok(ModelledView {
             nodes: nodes.sum(),
             world_from_sensor: *view.world_from_sensor(),
+            fingerprint: String::new(),
             sigma: view.sigma(),
             report: view_report(name, &view, setup, &partial.counts, &planes),
             planes,
@@ -63,8 +67,19 @@ impl ModelledView<Vec<Curve>> {
     fn packed(self) -> ModelledView {
         let planes = self.planes.into_iter();
         let planes = planes.map(|(plane, curves)| (plane, PackedCurves::new(&curves))).collect();
-        let Self { world_from_sensor, sigma, nodes, notes, report, reading, modelling, .. } = self;
-        ModelledView { world_from_sensor, sigma, planes, nodes, notes, report, reading, modelling }
+        let Self { world_from_sensor, fingerprint, sigma, nodes, .. } = self;
+        let Self { notes, report, reading, modelling, .. } = self;
+        ModelledView {
+            world_from_sensor,
+            fingerprint,
+            sigma,
+            planes,
+            nodes,
+            notes,
+            report,
+            reading,
+            modelling,
+        }
     }
 }
 
@@ -116,7 +131,9 @@ pub(crate) fn model_views<S: ViewSource>(
             let copy = wanted.copies.then(|| CoarseView::quick(view));
             let witness = wanted.free_space.then(|| Witness::of(view)).flatten();
             let facts = ViewFacts { witness, surface_sigma };
-            Ok((timed.model(source.name(), setup)?.packed(), copy, facts))
+            let fingerprint = fingerprint(view);
+            let modelled = timed.model(source.name(), setup)?.packed();
+            Ok((ModelledView { fingerprint, ..modelled }, copy, facts))
         });
         watch.step(Stage::Views);
         modelled

@@ -17,6 +17,7 @@ use crate::modelled_view::{Modelled, ModelledView, Wanted, model_views, no_curve
 use crate::packed::PackedCurves;
 use crate::poses::{reread, stated};
 use crate::refine::{Refined, refine};
+use crate::repeated::{PlacedImage, repeated_images};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
 use std::time::{Duration, Instant};
@@ -114,7 +115,8 @@ pub fn reconstruct<S: ViewSource>(
         fusion: views_done.elapsed(),
     };
     let reports = views.iter().map(|view| view.report.clone()).collect();
-    let notes = views.iter().flat_map(|view| view.notes.clone()).collect();
+    let notes = views.iter().flat_map(|view| view.notes.clone());
+    let notes = notes.chain(repeated_images(views.iter().map(PlacedImage::from))).collect();
     let mut report = Report::new(reports, notes, &fused, timings);
     report.set_poses(poses.or(judged), setup.unit);
     let mut model = assemble(setup, views, fused);

@@ -1,25 +1,47 @@
-//! Views of a store that hold one image.
+//! Views that hold one image.
 
+use crate::modelled_view::ModelledView;
 use std::collections::BTreeMap;
-use transect_device::Note;
-use transect_model::store::{StoredView, ViewDescription};
+use transect_device::{Isometry3, Note};
+use transect_model::store::StoredView;
+
+/// The image of a view, by its fingerprint, and the pose that it was modelled at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlacedImage<'a> {
+    pub view: &'a str,
+    /// Empty if the fingerprint is not known.
+    pub fingerprint: &'a str,
+    pub world_from_sensor: &'a Isometry3,
+}
+
+impl<'a> From<&'a StoredView> for PlacedImage<'a> {
+    fn from(StoredView { entry, .. }: &'a StoredView) -> Self {
+        Self {
+            view: &entry.id.0,
+            fingerprint: &entry.source_hash,
+            world_from_sensor: &entry.world_from_sensor,
+        }
+    }
+}
+
+impl<'a> From<&'a ModelledView> for PlacedImage<'a> {
+    fn from(ModelledView { report, fingerprint, world_from_sensor, .. }: &'a ModelledView) -> Self {
+        Self { view: &report.name, fingerprint, world_from_sensor }
+    }
+}
 
 /// Names the views that hold the image of another view at another pose, as a camera that repeats
 /// its last frame makes them. At one pose, their curves are the same and count once.
-pub(super) fn note(views: &[StoredView]) -> Option<Note> {
-    repeated(views.iter().map(|view| &view.entry))
-}
-
-fn repeated<'a>(views: impl Iterator<Item = &'a ViewDescription>) -> Option<Note> {
-    let mut of_image = BTreeMap::<&str, Vec<&ViewDescription>>::new();
-    for view in views.filter(|view| !view.source_hash.is_empty()) {
-        of_image.entry(&view.source_hash).or_default().push(view);
+pub(crate) fn repeated_images<'a>(images: impl Iterator<Item = PlacedImage<'a>>) -> Option<Note> {
+    let mut of_image = BTreeMap::<&str, Vec<PlacedImage<'_>>>::new();
+    for image in images.filter(|image| !image.fingerprint.is_empty()) {
+        of_image.entry(image.fingerprint).or_default().push(image);
     }
-    let pairs: Vec<[&ViewDescription; 2]> = of_image
+    let pairs: Vec<[PlacedImage<'_>; 2]> = of_image
         .values()
         .filter_map(|of| {
             let first = *of.first()?;
-            let moved = |v: &&&ViewDescription| v.world_from_sensor != first.world_from_sensor;
+            let moved = |v: &&PlacedImage<'_>| v.world_from_sensor != first.world_from_sensor;
             Some([first, *of.iter().find(moved)?])
         })
         .collect();
@@ -31,34 +53,27 @@ fn repeated<'a>(views: impl Iterator<Item = &'a ViewDescription>) -> Option<Note
     Some(Note::new(format!(
         "views {} and {} have the same image at different poses.{others} One image counts twice \
          then, and the stated errors are too small; take one of them out",
-        a.id, b.id
+        a.view, b.view
     )))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use transect_device::Isometry3;
-
-    fn view(id: &str, hash: &str, x: f64) -> ViewDescription {
-        ViewDescription {
-            id: id.into(),
-            name: String::new(),
-            sensor: String::new(),
-            source: String::new(),
-            source_hash: hash.to_owned(),
-            world_from_sensor: Isometry3::translation(x, 0.0, 0.0),
-            sigma: None,
-        }
-    }
 
     #[test]
     fn one_image_at_two_poses_is_told() {
-        let sound = [view("a", "1", 0.0), view("b", "2", 1.0), view("c", "1", 0.0)];
-        let unknown = [view("d", "", 2.0), view("e", "", 3.0)];
-        assert_eq!(repeated(sound.iter().chain(&unknown)), None);
-        let other = view("f", "1", 1e-7);
-        let note = repeated(sound.iter().chain([&other])).unwrap().to_string();
+        let poses = [0.0, 1.0, 2.0, 1e-7].map(|x| Isometry3::translation(x, 0.0, 0.0));
+        let image = |view, fingerprint, k: usize| PlacedImage {
+            view,
+            fingerprint,
+            world_from_sensor: &poses[k],
+        };
+        let sound = [image("a", "1", 0), image("b", "2", 1), image("c", "1", 0)];
+        let unknown = [image("d", "", 2), image("e", "", 0)];
+        assert_eq!(repeated_images(sound.into_iter().chain(unknown)), None);
+        let other = image("f", "1", 3);
+        let note = repeated_images(sound.into_iter().chain([other])).unwrap().to_string();
         assert!(note.contains("views a and f have the same image"), "{note}");
     }
 }

@@ -28,13 +28,13 @@ mod judged;
 mod kept_image;
 mod looked_through;
 mod registration;
-mod repeated;
 
 pub use error::GrowError;
 pub use looked_through::correct_by_free_space;
 
 use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, no_curves, surface_sigma};
+use crate::repeated::{PlacedImage, repeated_images};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::timed_view::TimedView;
 use crate::{
@@ -436,7 +436,7 @@ impl<'a> Grower<'a> {
         let Added { present, reports, ids, mut notes, .. } = added;
         let views = snapshot.views()?;
         let several = views.len() > 1;
-        notes.extend(repeated::note(&views));
+        notes.extend(repeated_images(views.iter().map(PlacedImage::from)));
         let started = Instant::now();
         let Judged { poses, note } =
             judged(&snapshot, &ids.iter().cloned().collect(), sources, self.setup)?;
