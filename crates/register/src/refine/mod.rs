@@ -19,7 +19,8 @@
 //! 4. The error that a depth camera makes alike in all its images is found beside the motions:
 //!    `camera.rs`. Parts of it that poses can hide are tested afterwards: `wrong_cameras.rs`.
 //! 5. The motion that all views share is taken out.
-//! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
+//! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`. Where a
+//!    stated prior held the poses, the images judge it: `stated_prior.rs`.
 //! 7. A view that does not fit the others, moves far or contradicts them at their new poses is left
 //!    out, and the rounds are repeated. In the end it is brought back: `bring_back.rs`.
 //!
@@ -40,6 +41,7 @@ mod outcome;
 mod pairs;
 mod pivot;
 mod solve;
+mod stated_prior;
 #[cfg(test)]
 mod tests;
 mod uncertainty;

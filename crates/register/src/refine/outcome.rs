@@ -51,7 +51,8 @@ pub struct RefinedPose {
     pub translation: f64,
     /// Standard deviations of the refined pose after the rigid fit of all views to the given ones.
     /// Directions that no other view determines have that of the given pose. `None` for a view that
-    /// is alone or misplaced, unless it was stated how far its pose may be wrong.
+    /// is alone or misplaced, unless it was stated how far its pose may be wrong. `None` if the
+    /// images contradict that ([`PoseRefinement::prior_by_images`]).
     pub sigma: Option<PosePrior>,
     /// By how much the view's surface may be off with this pose: root mean square over the surface
     /// of the standard deviation along its normals, in the model's length unit. `None` where
@@ -79,6 +80,10 @@ pub struct PoseRefinement {
     /// -0.5 is half of them. Of pairs that alone hold their views, halves are left out. `None` if
     /// no views overlap.
     pub left_out_pairs: Option<f64>,
+    /// How far the poses are wrong by the images, if far less was stated of them and holds them.
+    /// They stay as given then, and nothing is known of their standard deviations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prior_by_images: Option<PosePrior>,
     /// Median distance of the patches from their sensors, in the model's length unit.
     pub distance: f64,
     /// `fx` and `fy` of a depth camera over the true ones, if the images show that they are wrong.
@@ -147,25 +152,21 @@ impl Rounds<'_> {
     pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
         let parts = self.systems();
         let left_out = self.left_out(&parts);
+        let system = System::sum(&parts);
+        let by_images = system.as_ref().and_then(|system| self.prior_by_images(system));
         let alone: Vec<bool> = self.with_pairs().into_iter().map(|met| !met).collect();
         // Where views state how exact their poses are, the most exact ones hold the whole.
         let unstated = self.scene.views.iter().all(|view| view.prior().is_none());
         let weights = unstated.then(|| self.take_out_common_motion(&alone));
-        let system = System::sum(&parts);
         let far_off = self.far_off(|| system);
         let covariances = self.covariances(weights.as_deref());
         let unclear = !left_out.as_ref().is_some_and(LeftOut::is_clear);
-        if unclear || self.focal_over_true.is_some() {
-            self.cameras = self.cameras.without_errors();
+        if by_images.is_some() {
+            // Errors of cameras explain those of the poses that the prior holds.
+            self.focal_over_true = None;
         }
-        self.drop_negligible_errors();
-        // Poses and depths would bend to the wrong focal lengths.
-        let keeps = unclear
-            || self.focal_over_true.is_some()
-            || covariances.as_ref().is_some_and(|c| self.is_settled(c));
-        if keeps {
-            self.poses = self.given.clone();
-        }
+        let unclear = unclear || by_images.is_some();
+        let keeps = self.keeps_given(unclear, covariances.as_ref());
         // Views that err alike carry others with them, of which no observation tells.
         let stays: Vec<bool> =
             alone.iter().enumerate().map(|(k, alone)| *alone || self.is_exact(k)).collect();
@@ -183,6 +184,7 @@ impl Rounds<'_> {
         let pose = |k: usize| {
             let (rotation, translation) = self.moved_by(k);
             let error = self.covariance(k, outcome(k), covariances.as_ref());
+            let error = error.filter(|_| by_images.is_none());
             RefinedPose {
                 view: self.scene.views[k].name().to_owned(),
                 world_from_sensor: self.poses[k],
@@ -200,10 +202,26 @@ impl Rounds<'_> {
         PoseRefinement {
             poses,
             prior: self.prior,
+            prior_by_images: by_images,
             left_out_pairs: left_out.map(|left_out| left_out.change),
             distance: self.distance,
             focal_over_true: self.focal_over_true,
         }
+    }
+
+    /// Puts the views back to their given poses where these stay, and says whether they do.
+    fn keeps_given(&mut self, unclear: bool, covariances: Option<&Covariances>) -> bool {
+        // Poses and depths would bend to the wrong focal lengths.
+        let holds = unclear || self.focal_over_true.is_some();
+        if holds {
+            self.cameras = self.cameras.without_errors();
+        }
+        self.drop_negligible_errors();
+        let keeps = holds || covariances.is_some_and(|c| self.is_settled(c));
+        if keeps {
+            self.poses = self.given.clone();
+        }
+        keeps
     }
 
     /// Drops the errors of cameras that stay far below the noise.
@@ -243,7 +261,7 @@ impl Rounds<'_> {
     }
 
     /// Which views meet another one.
-    fn with_pairs(&self) -> Vec<bool> {
+    pub(super) fn with_pairs(&self) -> Vec<bool> {
         let mut met = vec![false; self.given.len()];
         self.pairs.iter().flat_map(|pair| [pair.a, pair.b]).for_each(|k| met[k] = true);
         met

@@ -63,7 +63,7 @@ impl Rounds<'_> {
 
     /// For each view, the matrix that takes its motion to its force on the rigid fit: the sum over
     /// its samples of their motions.
-    fn fit(&self, weights: &[f64]) -> Vec<Matrix6<f64>> {
+    pub(super) fn fit(&self, weights: &[f64]) -> Vec<Matrix6<f64>> {
         let of_view = |(k, weight): (usize, &f64)| {
             let (Some(pose), Some(samples)) = (self.poses.get(k), self.scene.samples.get(k)) else {
                 return Matrix6::zeros();
@@ -77,7 +77,7 @@ impl Rounds<'_> {
         weights.iter().enumerate().map(of_view).collect()
     }
 
-    fn covariances_with(
+    pub(super) fn covariances_with(
         &self,
         system: &System,
         priors: &[PosePrior],

@@ -3,7 +3,7 @@
 use super::common::{coarse, described, simulated};
 use super::narrow_things::street;
 use super::refining::shaken;
-use transect_device::{Isometry3, Vector3};
+use transect_device::{Isometry3, Vector3, View};
 use transect_register::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, refine};
 
 #[test]
@@ -19,6 +19,24 @@ fn a_stated_prior_holds_the_poses() {
     assert!(refinement.poses.iter().all(|p| p.outcome == PoseOutcome::Kept), "{refinement:?}");
     let residual = |p: &RefinedPose| p.residual_before.unwrap();
     assert!(refinement.poses.iter().all(|p| residual(p) > 0.005), "{refinement:?}");
+}
+
+/// Poses that err by far more than is stated stay, and no standard deviation is told of them.
+#[test]
+fn a_stated_prior_that_the_images_contradict_is_told() {
+    let exact = simulated("room", "");
+    let told = |views: &[View], rotation: f64, translation: f64| {
+        let prior = Some(PosePrior { rotation: rotation.to_radians(), translation });
+        let options = RefineOptions { prior, ..RefineOptions::default() };
+        let refinement = refine(&coarse(views), &options).unwrap();
+        let known = refinement.poses.iter().all(|pose| pose.surface_sigma.is_some());
+        assert_eq!(refinement.prior_by_images.is_none(), known, "{refinement:?}");
+        refinement.prior_by_images
+    };
+    let by_images = told(&shaken(&exact, 0.3, 0.005), 1e-4, 1e-6).unwrap();
+    assert!(by_images.rotation.to_degrees() > 0.01, "{by_images:?}");
+    assert_eq!(told(&shaken(&exact, 0.3, 0.005), 0.3, 0.005), None);
+    assert_eq!(told(&exact, 1e-4, 1e-6), None);
 }
 
 #[test]

@@ -30,7 +30,7 @@ impl PoseReport {
         let most = |of: fn(&RefinedPose) -> f64| moved.clone().map(of).fold(0.0, f64::max);
         let by = self.motion(most(|p| p.rotation), most(|p| p.translation));
         let mut notes = vec![match count {
-            0 => format!("the poses of all {all} views stay as given{}", reason(refinement)),
+            0 => format!("the poses of all {all} views stay as given{}", self.reason(refinement)),
             _ => format!("the poses of {count} of {all} views were refined, by up to {by}"),
         }];
         notes.extend(self.camera_error(refinement));
@@ -233,9 +233,41 @@ impl PoseReport {
         }
     }
 
+    /// Why no view moved.
+    fn reason(&self, refinement: &PoseRefinement) -> String {
+        if let Some(held) = self.held_by_prior() {
+            return format!(": {held}");
+        }
+        let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
+        let reason = match refinement.left_out_pairs {
+            Some(change) if change < 0.0 && kept => {
+                ": no view would move by clearly more than the images leave uncertain"
+            }
+            Some(_) if kept => {
+                ": observations that were left out of the estimate do not agree better with other \
+                 poses"
+            }
+            _ => "",
+        };
+        reason.to_owned()
+    }
+
+    /// What is stated of the poses, if it holds them where the images contradict them.
+    fn held_by_prior(&self) -> Option<String> {
+        let by_images = self.prior_by_images?;
+        Some(format!(
+            "what is stated of their errors holds them, but by the images they are wrong by {} at \
+             least (root mean square). State more than that (the setting `prior`, \
+             \"pose_sigma\" in scan.json), or state nothing. No standard deviations are written",
+            self.motion(by_images.rotation, by_images.translation)
+        ))
+    }
+
     fn all_contradict(&self, contradicting: f64, one_pose: bool) -> String {
         let (count, share) = (self.judgement.views.len(), percent(contradicting));
-        let cause = if one_pose {
+        let cause = if let Some(held) = self.held_by_prior() {
+            format!("The poses stay: {held}")
+        } else if one_pose {
             "All have the same pose, as if they had never been registered. Register them with the \
              scanner's program, and export the poses too"
                 .to_owned()
@@ -300,20 +332,6 @@ impl PoseReport {
     /// An angle in radians and a length, in words.
     fn motion(&self, rotation: f64, translation: f64) -> String {
         format!("{}° and {} {}", digits(rotation.to_degrees()), digits(translation), self.unit)
-    }
-}
-
-/// Why no view moved.
-fn reason(refinement: &PoseRefinement) -> &'static str {
-    let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
-    match refinement.left_out_pairs {
-        Some(change) if change < 0.0 && kept => {
-            ": no view would move by clearly more than the images leave uncertain"
-        }
-        Some(_) if kept => {
-            ": observations that were left out of the estimate do not agree better with other poses"
-        }
-        _ => "",
     }
 }
 
@@ -422,11 +440,18 @@ mod tests {
                     views: Vec::new(),
                     usual_distance: 0.01,
                 };
-                let (unit, found_reading, refinement) = (LengthUnit::Metre, None, None);
-                let along_faces = Default::default();
-                PoseReport { unit, found_reading, judgement, refinement, in_store, along_faces }
-                    .warnings()
-                    .concat()
+                let unit = LengthUnit::Metre;
+                PoseReport {
+                    unit,
+                    found_reading: None,
+                    judgement,
+                    refinement: None,
+                    prior_by_images: None,
+                    in_store,
+                    along_faces: Default::default(),
+                }
+                .warnings()
+                .concat()
             };
             assert!(told(false).contains("(the setting `pose_convention`)"), "{}", told(false));
             let anew = "transect register SCAN --pose-convention NAME --out DIR";

@@ -25,8 +25,8 @@ use std::collections::BTreeSet;
 use transect_device::View;
 use transect_geometry::{LengthUnit, PlaneIndex};
 use transect_register::{
-    CoarseView, Finding, FoundReading, Judgement, PoseRefinement, Reading, RefineOptions,
-    RefinedPose, StatedPoses, find_reading, judge, refine,
+    CoarseView, Finding, FoundReading, Judgement, PosePrior, PoseRefinement, Reading,
+    RefineOptions, RefinedPose, StatedPoses, find_reading, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -44,6 +44,9 @@ pub struct PoseReport {
     /// explains.
     #[serde(flatten)]
     pub refinement: Option<PoseRefinement>,
+    /// How far the poses are wrong by the images, if what was stated of them held them as given.
+    #[serde(skip)]
+    pub(crate) prior_by_images: Option<PosePrior>,
     /// Whether the views are those of a store, whose images keep the errors of their cameras.
     #[serde(skip)]
     pub(crate) in_store: bool,
@@ -119,6 +122,7 @@ impl PoseReport {
         let mut found_reading = find_reading(&copies, stated.as_ref(), again);
         let options = options.filter(|_| !are_unregistered(&copies));
         let mut refinement = options.map(|options| refine(&copies, options)).transpose()?;
+        let prior_by_images = refinement.as_ref().and_then(|r| r.prior_by_images);
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
             let refined = |(copy, pose): (CoarseView, &RefinedPose)| {
@@ -152,8 +156,16 @@ impl PoseReport {
                 judgement = judge(&copies);
             }
         }
-        let along_faces = BTreeSet::new();
-        Ok(Self { unit, found_reading, judgement, refinement, in_store: false, along_faces })
+        let (in_store, along_faces) = (false, BTreeSet::new());
+        Ok(Self {
+            unit,
+            found_reading,
+            judgement,
+            refinement,
+            prior_by_images,
+            in_store,
+            along_faces,
+        })
     }
 
     /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
@@ -169,6 +181,7 @@ impl PoseReport {
             found_reading: find_reading(&copies, stated, reread),
             judgement: judge(&copies),
             refinement: None,
+            prior_by_images: None,
             in_store: false,
             along_faces: along_faces(&copies, &setup.planes),
         }
