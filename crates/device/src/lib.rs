@@ -4,10 +4,10 @@
 //! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
 //! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! [`DepthOffsets`], [`ImageOrder`] and [`PinholeScale`] correct whole images. [`Note`], [`median()`] and
-//! [`quantile()`] are here because nearly all crates need them. The crate holds the equations of no
-//! sensor, reads no file and does not use the images. To add a sensor, implement [`DeviceFrame`];
-//! see `transect-sensors` for examples.
+//! [`DepthOffsets`], [`ImageOrder`] and [`PinholeScale`] correct whole images. [`Note`],
+//! [`median()`] and [`quantile()`] are here because nearly all crates need them. The crate holds
+//! the equations of no sensor, reads no file and does not use the images. To add a sensor,
+//! implement [`DeviceFrame`]; see `transect-sensors` for examples.
 //!
 //! Conventions that hold for every sensor: row `i` and column `j` count from 0. A pixel's sample
 //! belongs to the pixel's *centre*. Sensor frames are right-handed Cartesian. Lengths are in the

@@ -1,6 +1,6 @@
 //! The length that each pixel of a depth camera holds.
 
-use crate::{Point3, RangeImage, Vector3, View};
+use crate::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -51,21 +51,6 @@ impl PinholeScale {
             Self::Depth => p.z,
             Self::RayLength => p.coords.norm(),
         }
-    }
-
-    /// The view of an image that holds this length and was read as the other one. `None` unless the
-    /// sensor of the view is a camera whose images hold the other one.
-    pub fn reread(self, view: &View) -> Option<View> {
-        let (frame, image) = (view.frame(), view.image());
-        frame.pinhole_scale().filter(|scale| *scale != self)?;
-        let value = |pixel| {
-            let value = f64::from(image.get(pixel)?);
-            // A point at this value lies too far out, or too near, by a factor along its ray.
-            Some((value * value / self.value(&frame.point(pixel, value)?)) as f32)
-        };
-        let size = image.size();
-        let values = size.all_pixels().map(|pixel| value(pixel).unwrap_or(f32::NAN)).collect();
-        view.with_image(RangeImage::from_values(size, values).ok()?).ok()
     }
 }
 

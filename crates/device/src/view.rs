@@ -1,6 +1,6 @@
 //! A range image with its device frame and pose.
 
-use crate::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage};
+use crate::{DeviceFrame, ImageSize, Isometry3, PinholeScale, Pixel, Point3, RangeImage};
 use std::sync::Arc;
 
 /// Why an image, a frame and a pose cannot make a view.
@@ -102,6 +102,20 @@ impl View {
     pub fn with_image(&self, image: RangeImage) -> Result<Self, ViewError> {
         let (name, frame) = (self.name.clone(), Arc::clone(&self.frame));
         Self::new(name, image, frame, self.world_from_sensor, self.sigma)
+    }
+
+    /// The view of an image that holds this length and was read as the other one. `None` unless the
+    /// sensor is a camera whose images hold the other one.
+    pub fn reread(&self, holds: PinholeScale) -> Option<Self> {
+        self.frame.pinhole_scale().filter(|scale| *scale != holds)?;
+        let value = |pixel| {
+            let value = f64::from(self.image.get(pixel)?);
+            // A point at this value lies too far out, or too near, by a factor along its ray.
+            Some((value * value / holds.value(&self.frame.point(pixel, value)?)) as f32)
+        };
+        let size = self.image.size();
+        let values = size.all_pixels().map(|pixel| value(pixel).unwrap_or(f32::NAN)).collect();
+        self.with_image(RangeImage::from_values(size, values).ok()?).ok()
     }
 
     /// The view at half its resolution: every other row and column, from row 0 and column 0 on.

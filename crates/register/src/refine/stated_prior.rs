@@ -4,8 +4,8 @@
 //! certain of them then, whatever the images show.
 //!
 //! **Idea.** The pairs are solved once more with a loose prior, and tell how far the poses are off.
-//! A prior that lets the poses move far enough leaves little of that. More than the stated prior and
-//! the images leave uncertain contradicts the prior.
+//! A prior that lets the poses move far enough leaves little of that. More than the stated prior
+//! and the images leave uncertain contradicts the prior.
 
 use super::Rounds;
 use super::solve::System;

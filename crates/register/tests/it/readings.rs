@@ -64,7 +64,7 @@ fn wrong_orders_of_real_images_are_named() {
 fn explained_by_pixels(views: &[View]) -> Option<FoundReading> {
     find_reading(&coarse(views), None, |reading| match reading {
         Reading::PixelsHold(scale) => {
-            views.iter().map(|view| Some(CoarseView::new(&scale.reread(view)?))).collect()
+            views.iter().map(|view| Some(CoarseView::new(&view.reread(scale)?))).collect()
         }
         _ => None,
     })

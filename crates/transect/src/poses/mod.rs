@@ -90,7 +90,7 @@ pub(crate) fn reread<S: ViewSource>(
 ) -> Option<Vec<CoarseView>> {
     let copy = |source: &S| match reading {
         Reading::Image(order) => Some(of_view(&source.load_in(order)?.ok()?.view)),
-        Reading::PixelsHold(scale) => Some(of_view(&scale.reread(&source.load().ok()?.view)?)),
+        Reading::PixelsHold(scale) => Some(of_view(&source.load().ok()?.view.reread(scale)?)),
         Reading::Pose(_) | Reading::AsStated | Reading::Distances(_) => None,
     };
     sources.par_iter().map(copy).collect()
