@@ -38,6 +38,7 @@ impl PinholeScale {
     }
 
     /// The direction scaled so that the value times it is the point.
+    #[inline]
     pub fn per_value(self, direction: Vector3) -> Vector3 {
         match self {
             Self::Depth => direction / direction.z,
@@ -46,6 +47,7 @@ impl PinholeScale {
     }
 
     /// The value of a point.
+    #[inline]
     pub fn value(self, p: &Point3) -> f64 {
         match self {
             Self::Depth => p.z,
