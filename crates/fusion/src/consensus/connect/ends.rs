@@ -110,6 +110,12 @@ impl Pair<'_> {
     /// The cheapest way to join the tail to the head; `None` if no way fits the rule.
     fn best_fit(&self, scale: &Scale, rule: &JoinRule) -> Option<JoinFit> {
         let Self { nodes, tail, head, is_one, .. } = *self;
+        let [last, first] = [tail.nodes.last()?, head.nodes.first()?].map(|k| &nodes[*k as usize]);
+        // Where nodes are cut, the ends are farther from the range jumps, but the ground is the
+        // same.
+        if last.turns_in_shadow(first, self.ground) {
+            return None;
+        }
         let shortest = tail.nodes.len().min(head.nodes.len());
         let most = rule.cut_nodes.min(shortest / CUT_PARTS[usize::from(is_one)]);
         // An overshooting end points elsewhere than the curve it is cut back to.
@@ -185,8 +191,10 @@ fn apply(slots: &mut [Option<Chain>], join: &Join) {
 mod tests {
     use super::super::link::spread_spacing;
     use super::*;
+    use crate::consensus::Steps;
     use crate::consensus::measure::Observations;
     use crate::consensus::options::ConsensusOptions;
+    use transect_geometry::{Curve, EndReason};
 
     fn scale() -> Scale {
         let options = ConsensusOptions::default();
@@ -258,5 +266,32 @@ mod tests {
         }
         assert_eq!(chains.len(), 1);
         assert_eq!(chains[0].nodes.len(), nodes.len(), "nothing need be cut");
+    }
+
+    #[test]
+    fn ends_that_are_cut_keep_their_shadows() {
+        // A coarse wall ends at the origin. A fine one across begins 0.2 farther.
+        let mut nodes = Vec::new();
+        let wall = (-5..=0).map(|k| on_axis((0.1 * f64::from(k), 0.1)));
+        let across = |k: i32| node(0.2, 0.01 * f64::from(k), Vector2::y(), 0.01);
+        let chains = vec![add(&mut nodes, wall), add(&mut nodes, (0..30).map(across))];
+        let joins = |reason: EndReason| {
+            let curves = chains.iter().map(|chain| {
+                let nodes = chain.nodes.iter().map(|k| nodes[*k as usize].node()).collect();
+                Curve::new(nodes, false).unwrap().with_ends([Some(reason); 2])
+            });
+            let curves: Vec<Curve> = curves.collect();
+            let observations = Observations::collect(&[&curves], &Steps::default());
+            let grid = PointGrid::new(&observations.positions(), observations.spacing());
+            let ground = Ground::new(&observations, &grid);
+            let rules =
+                [JoinRule::MEETING, JoinRule::SMOOTH, JoinRule::HAIRPIN, JoinRule::CROSSING];
+            let chains = rules
+                .iter()
+                .fold(chains.clone(), |chains, rule| join(&nodes, chains, &ground, &scale(), rule));
+            chains.len() == 1
+        };
+        assert!(joins(EndReason::MissingPixel));
+        assert!(!joins(EndReason::RangeJump));
     }
 }

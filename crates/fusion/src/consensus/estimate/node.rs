@@ -70,20 +70,26 @@ impl PlacedNode {
         (unit, self.evidence.footprint.max(next.evidence.footprint))
     }
 
-    /// Whether the step to the next node is no continuation and lies in the shadow of a view, or is
-    /// a long one between range jumps of any views, over ground that no view measured. A view that
-    /// sees a wall at a grazing angle leaves fine nodes far apart, and that is no gap.
-    pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>, scale: &Scale) -> bool {
+    /// Whether the step to the next node is no continuation and lies in the shadow of a view.
+    pub fn turns_in_shadow(&self, next: &Self, ground: &Ground<'_>) -> bool {
         let (unit, _) = self.unit_to(next);
         let along = unit.vector().try_normalize(0.0).unwrap_or_default();
-        let footprint = self.evidence.footprint.min(next.evidence.footprint);
-        let is_longer = |footprints: f64| unit.vector().norm() > footprints * footprint;
-        let across = scale.across(self.sigma.max(next.sigma));
+        let finer = self.evidence.footprint.min(next.evidence.footprint);
         let turns = along.dot(&self.tangent).min(along.dot(&next.tangent)) < STRAIGHT;
-        is_longer(SHADOW_FOOTPRINTS) && turns && ground.is_in_shadow(&unit)
-            || is_longer(BETWEEN_JUMPS_FOOTPRINTS)
+        turns && unit.vector().norm() > SHADOW_FOOTPRINTS * finer && ground.is_in_shadow(&unit)
+    }
+
+    /// Whether the step to the next node turns in a shadow, or is a long one between range jumps of
+    /// any views, over ground that no view measured. A view that sees a wall at a grazing angle
+    /// leaves fine nodes far apart, and that is no gap.
+    pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>, scale: &Scale) -> bool {
+        let (unit, _) = self.unit_to(next);
+        let finer = self.evidence.footprint.min(next.evidence.footprint);
+        let across = scale.across(self.sigma.max(next.sigma));
+        self.turns_in_shadow(next, ground)
+            || unit.vector().norm() > BETWEEN_JUMPS_FOOTPRINTS * finer
                 && ground.is_between_jumps(&unit)
-                && !ground.is_measured(&unit, footprint, across.min(footprint))
+                && !ground.is_measured(&unit, finer, across.min(finer))
     }
 
     /// Standard deviation across the curve without the views' systematic errors.
