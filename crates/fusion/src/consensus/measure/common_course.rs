@@ -48,8 +48,9 @@ struct Bend {
     offset: f64,
     slope: f64,
     across: Vector2,
-    /// How far the bead's view is off, as its own bend shows it: a length.
-    off: f64,
+    /// How far the bead's view is off, as its own bend shows it: a length. `None` if the view
+    /// measured too short a part of the window to tell a bend.
+    off: Option<f64>,
     /// Standard deviation of the curvature if views were off by 1.
     chance: f64,
 }
@@ -176,7 +177,8 @@ fn on_courses_of_joined(
 /// Standard deviation of a view's error, as bends show it.
 fn bend_error(courses: &[OnCourse]) -> f64 {
     let known = courses.iter().filter(|course| course.tells_error());
-    median(known.map(|c| c.bend.off.abs() / c.off_variance.sqrt())) / MEDIAN_OF_NORMAL
+    let off = |c: &OnCourse| Some(c.bend.off?.abs() / c.off_variance.sqrt());
+    median(known.filter_map(off)) / MEDIAN_OF_NORMAL
 }
 
 /// Standard deviation by which a view's distance from the common course differs between a window
@@ -326,6 +328,7 @@ impl Course<'_> {
         let offset = step(parabola.at(x));
         let in_space = 2.0 / (reach * reach);
         let known = self.views * parabola.bent;
+        let tells_bend = alone.bent > 0.0 && parabola.bent > 0.0;
         OnCourse {
             bead: Bead {
                 position: bead.position + normal * offset,
@@ -340,7 +343,7 @@ impl Course<'_> {
                 offset: offset - step(parabola.straight_at(x)),
                 slope: (slope - parabola.straight_slope) / reach,
                 across: normal,
-                off: (alone.bend - parabola.bend) * alone.bent.sqrt(),
+                off: tells_bend.then(|| (alone.bend - parabola.bend) * alone.bent.sqrt()),
                 chance: if known > 0.0 { in_space / known.sqrt() } else { 0.0 },
             },
             views: self.views,
@@ -430,7 +433,8 @@ mod tests {
     fn what_chance_explains_of_a_bend_is_taken_out() {
         let bead = arc(0, 60, 2, 1.0)[0];
         let across = left_of(&bead.tangent);
-        let bend = Bend { curvature: 2.0, offset: 0.01, slope: 0.1, across, off: 0.0, chance: 1.0 };
+        let bend =
+            Bend { curvature: 2.0, offset: 0.01, slope: 0.1, across, off: None, chance: 1.0 };
         let moved = Bead { position: bead.position + across * 0.01, ..bead };
         let bent = OnCourse { bend, ..OnCourse::unmoved(&moved) };
         // Errors of nothing, half, all and twice of the bend, and the share of it that stays.
