@@ -62,6 +62,7 @@ pub use options::{ConsensusOptions, Steps};
 pub use steps::{ChainStep, ConsensusSteps, NodeStep, ObservationStep};
 
 use crate::fused_plane::{FusedPlane, FusionCounts, longest_first};
+use crate::ground::Ground;
 use crate::planar::{Shortest, without_crossings};
 use connect::Chains;
 use estimate::Estimate;
@@ -137,9 +138,10 @@ fn fuse(
         return FusedPlane { counts, ..FusedPlane::default() };
     };
     let mut estimate = Estimate::new(&measured);
-    let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
+    let ground = Ground::new(&measured.observations, &measured.grid);
+    let Chains { chains, dropped } = connect::connect(&mut estimate, &measured, &ground);
     watch(&measured, &estimate, &chains);
-    let (curves, refused) = shape::shape(estimate, chains, &measured);
+    let (curves, refused) = shape::shape(estimate, chains, &measured, &ground);
     let dropped = dropped + refused;
     let unknown = measured.scale.spacing;
     let shortest = Shortest { footprints: options.shortest_footprints, unknown };

@@ -26,9 +26,12 @@ pub(super) struct Chains {
 }
 
 /// Links nodes, and covers, joins and cuts the chains until they are curves.
-pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chains {
-    let Measurements { observations, scale, grid, .. } = measured;
-    let ground = &Ground::new(observations, grid);
+pub(super) fn connect(
+    estimate: &mut Estimate,
+    measured: &Measurements,
+    ground: &Ground<'_>,
+) -> Chains {
+    let Measurements { observations, scale, .. } = measured;
     if scale.steps().coarse_spacing {
         link::spread_spacing(&mut estimate.nodes, scale);
     }

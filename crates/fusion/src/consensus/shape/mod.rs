@@ -10,6 +10,7 @@ mod rings;
 use super::connect::Chain;
 use super::estimate::Estimate;
 use super::measure::Measurements;
+use crate::ground::Ground;
 use transect_geometry::Curve;
 
 /// The curves of the chains, longest first, and the number of nodes of chains that are no curve.
@@ -17,6 +18,7 @@ pub(super) fn shape(
     estimate: Estimate,
     mut chains: Vec<Chain>,
     measured: &Measurements,
+    ground: &Ground<'_>,
 ) -> (Vec<Curve>, usize) {
     let Measurements { observations, scale, .. } = measured;
     let Estimate { mut nodes, absorbed_by, .. } = estimate;
@@ -27,5 +29,5 @@ pub(super) fn shape(
         corners::sharpen(&mut nodes, &mut chains, observations.pixel_noise(), scale.steps());
     }
     let ends = output::Ends::new(observations, &absorbed_by, &nodes);
-    output::curves(&nodes, chains, measured, &ends)
+    output::curves(&nodes, chains, (ground, scale), &ends)
 }

@@ -3,7 +3,7 @@
 
 use super::super::connect::{Chain, by_length};
 use super::super::estimate::PlacedNode;
-use super::super::measure::{Measurements, Observations, Scale, ViewEnd};
+use super::super::measure::{Observations, Scale, ViewEnd};
 use super::super::tuning::output::*;
 use crate::grid::PointGrid;
 use crate::ground::Ground;
@@ -13,13 +13,12 @@ use transect_geometry::{Curve, EndReason, Node, Point2};
 pub(super) fn curves(
     nodes: &[PlacedNode],
     chains: Vec<Chain>,
-    measured: &Measurements,
+    (ground, scale): (&Ground<'_>, &Scale),
     ends: &Ends<'_>,
 ) -> (Vec<Curve>, usize) {
-    let ground = Ground::new(&measured.observations, &measured.grid);
     let (mut curves, mut refused) = (Vec::new(), 0);
     for chain in &by_length(nodes, chains) {
-        let nodes = curve_nodes(nodes, chain, &ground, &measured.scale);
+        let nodes = curve_nodes(nodes, chain, ground, scale);
         match Curve::new(nodes, chain.closed) {
             Ok(curve) => curves.push(curve.with_ends(ends.of(chain))),
             Err(_) => refused += chain.nodes.len(),
