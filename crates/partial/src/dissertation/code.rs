@@ -39,18 +39,27 @@ pub enum JumpTest {
 
 impl Default for JumpTest {
     fn default() -> Self {
-        Self::ScaleFree { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0 }
+        let max_incidence_rad = BreakRule::MAX_INCIDENCE_RAD;
+        Self::ScaleFree { max_incidence_rad, jump_sigmas: BreakRule::JUMP_SIGMAS }
     }
 }
 
 impl JumpTest {
-    /// Which pixels smoothing may join: the printed test, made for planes, does not say.
-    pub(super) fn smoothing_rule(self, sigma: f64) -> BreakRule {
+    /// The rule for the pairs of all planes. The printed test breaks pairs plane by plane.
+    pub(super) fn break_rule(self, sigma: f64) -> BreakRule {
         match self {
             Self::ScaleFree { max_incidence_rad, jump_sigmas } => {
                 BreakRule::new(max_incidence_rad, jump_sigmas * sigma)
             }
-            Self::Printed { .. } => Self::default().smoothing_rule(sigma),
+            Self::Printed { .. } => BreakRule::new(0.0, f64::INFINITY),
+        }
+    }
+
+    /// Which pixels smoothing may join: the printed test, made for planes, does not say.
+    pub(super) fn smoothing_rule(self, sigma: f64) -> BreakRule {
+        match self {
+            Self::ScaleFree { .. } => self.break_rule(sigma),
+            Self::Printed { .. } => Self::default().break_rule(sigma),
         }
     }
 }

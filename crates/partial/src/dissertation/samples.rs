@@ -28,12 +28,7 @@ impl<'a> Samples<'a> {
         let grid = Grid::new(view.frame());
         let level = |p| view.point_in_sensor(p).map_or(f64::NAN, |p| axes.level().at(&p));
         let levels = grid.pixels().map(level).collect();
-        let rule = match jump {
-            JumpTest::ScaleFree { max_incidence_rad, jump_sigmas } => {
-                BreakRule::new(max_incidence_rad, jump_sigmas * sigma)
-            }
-            JumpTest::Printed { .. } => BreakRule::new(0.0, f64::INFINITY),
-        };
+        let rule = jump.break_rule(sigma);
         let (up, left) = (Vec::new(), Vec::new());
         let mut samples = Self { view, axes, grid, jump, levels, rule, up, left, jumps: 0 };
         samples.up = samples.pairs(Neighbour::Up);

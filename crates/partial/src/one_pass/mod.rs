@@ -142,8 +142,8 @@ pub struct OnePassOptions {
 impl Default for OnePassOptions {
     fn default() -> Self {
         Self {
-            max_incidence_rad: 78_f64.to_radians(),
-            jump_sigmas: 4.0,
+            max_incidence_rad: BreakRule::MAX_INCIDENCE_RAD,
+            jump_sigmas: BreakRule::JUMP_SIGMAS,
             smooth: true,
             subpixel: Subpixel::Cartesian,
             gap: 4,
