@@ -125,7 +125,7 @@ impl Lines<'_> {
             return None;
         }
         let rise = crossing.ray.z.abs();
-        let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
+        let least = WIDE_SIGMAS * self.prepared.sigma_at(crossing.pixel) * rise;
         if least == 0.0 || crossing.pair.z.abs() > least {
             return None;
         }
