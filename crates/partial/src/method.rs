@@ -44,7 +44,7 @@ impl Default for Method {
 /// assert_eq!(model.planes.len(), 7);
 /// let curve = &model.planes[0].curves[0];
 /// assert_eq!(curve.curve.nodes().len(), 64);
-/// assert_eq!(curve.ends, Some([EndReason::ImageBorder; 2]));
+/// assert_eq!(curve.curve.ends(), [Some(EndReason::ImageBorder); 2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

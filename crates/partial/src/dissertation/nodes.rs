@@ -46,9 +46,8 @@ impl Maker<'_> {
         }
         let node = |k: usize| self.node(&crossings, k, closed);
         let nodes = (0..crossings.len()).map(node).collect();
-        let units = crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
         let pixels = crossings.iter().map(|c| c.nearest).collect();
-        PartialCurve::new((nodes, closed), pixels, ends, units.map(|(_, k)| k).collect())
+        PartialCurve::new((nodes, closed), pixels, ends)
     }
 
     /// The nodes' places, in the order of the trace.
@@ -136,7 +135,7 @@ impl Maker<'_> {
     }
 
     fn node(&self, crossings: &[Crossing], k: usize, closed: bool) -> Node {
-        let Crossing { nearest: pixel, parameter, .. } = crossings[k];
+        let Crossing { nearest: pixel, parameter, bridged_after, .. } = crossings[k];
         let normal = self.normal(&crossings[k]);
         let ray = self.samples.view.frame().ray(pixel);
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
@@ -149,6 +148,7 @@ impl Maker<'_> {
             .with_correlation((footprint * self.prepared.shared_pixels(pixel)) as f32)
             .with_tan_incidence(normal.map(|normal| tan_incidence(&normal, &ray)))
             .with_normal(normal.map(|normal| normal.cast()))
+            .with_bridged(bridged_after)
     }
 }
 

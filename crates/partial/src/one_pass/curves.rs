@@ -161,12 +161,10 @@ fn curve(
     if count < 2 + usize::from(strand.closed) {
         return None;
     }
-    let units = nodes.crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
-    let bridged = units.map(|(_, k)| k).collect();
     let all = (0..count).map(|k| nodes.node(k, strand.closed)).collect();
     let pixels = nodes.crossings.iter().map(|c| nodes.prepared.in_image(c.pixel)).collect();
     let ends = if strand.closed { None } else { reasons(gaps, strand, lines) };
-    PartialCurve::new((all, strand.closed), pixels, ends, bridged)
+    PartialCurve::new((all, strand.closed), pixels, ends)
 }
 
 /// Why an open strand begins and ends where it does.

@@ -51,6 +51,7 @@ impl NodeMaker<'_> {
             .with_correlation((footprint * shared) as f32)
             .with_tan_incidence(normal.map(|normal| tan_incidence(&normal, &ray)))
             .with_normal(normal.map(|normal| normal.cast()))
+            .with_bridged(crossing.bridged_after)
     }
 
     /// A step on the surface across the curve, to its high side, from all crossings around a node:

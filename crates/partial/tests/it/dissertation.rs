@@ -1,6 +1,7 @@
 //! The dissertation's method: labels and codes against those of one pass, curves against solids.
 
 use crate::dissertation_scene::*;
+use crate::gaps::bridged;
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{
@@ -352,12 +353,10 @@ fn as_point_grid(seen: &Seen) -> Seen {
     Seen { rig: seen.rig.clone(), view, solids: seen.solids.clone() }
 }
 
-/// One pixel per node, bridged units that exist, ends if open.
+/// One pixel per node, ends if open.
 fn check_ends(curve: &PartialCurve) -> Result<(), TestCaseError> {
     prop_assert_eq!(curve.pixels.len(), curve.curve.nodes().len());
-    prop_assert_eq!(curve.ends.is_none(), curve.curve.is_closed());
-    prop_assert!(curve.bridged.is_sorted());
-    prop_assert!(curve.bridged.iter().all(|k| (*k as usize) < curve.curve.units().len()));
+    prop_assert_eq!(curve.curve.ends() == [None; 2], curve.curve.is_closed());
     Ok(())
 }
 
@@ -422,7 +421,7 @@ fn full_circles_are_closed_across_the_seam() {
             for k in -2..=2 {
                 let plane = model.planes.iter().find(|p| p.plane == PlaneIndex(k)).unwrap();
                 let [ring] = plane.curves.as_slice() else { panic!("plane {k}") };
-                assert!(ring.curve.is_closed() && ring.bridged.is_empty(), "plane {k}");
+                assert!(ring.curve.is_closed() && bridged(ring).is_empty(), "plane {k}");
                 let area = ring.curve.signed_area().unwrap();
                 // The room is a hole in the solid: clockwise; cut obliquely, 0.07 of a right angle.
                 let circle = std::f64::consts::PI * 9.0 * 1.05_f64.sqrt();
@@ -441,9 +440,9 @@ fn a_ring_cut_at_the_seam_is_closed_again_and_marked() {
         let plane = model.planes.iter().find(|p| p.plane == PlaneIndex(1)).unwrap();
         let [ring] = plane.curves.as_slice() else { panic!("{missing} missing") };
         assert_eq!(ring.curve.is_closed(), missing <= 4, "{missing} missing");
-        assert_eq!(ring.bridged.len(), usize::from(missing <= 4), "{missing} missing");
+        assert_eq!(bridged(ring).len(), usize::from(missing <= 4), "{missing} missing");
         if missing > 4 {
-            assert_eq!(ring.ends, Some([EndReason::MissingPixel; 2]));
+            assert_eq!(ring.curve.ends(), [Some(EndReason::MissingPixel); 2]);
         }
     }
 }

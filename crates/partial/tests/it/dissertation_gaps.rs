@@ -1,7 +1,7 @@
 //! Gaps, range jumps and thick curves of the dissertation's method.
 
 use crate::dissertation_scene::*;
-use crate::gaps::{curves_on, radar};
+use crate::gaps::{bridged, curves_on, radar};
 use proptest::prelude::*;
 use std::cell::Cell;
 use transect_device::{Isometry3, Point3, Vector3, View};
@@ -50,8 +50,8 @@ fn a_thick_curve_becomes_one_pixel_wide_and_keeps_its_ends() {
     assert!(thick > 1, "{thick} pieces before thinning");
     let thin = model(&view, &planes);
     let [curve] = curves_on(&thin, PlaneIndex(0)) else { panic!("one piece after thinning") };
-    assert_eq!(curve.ends, Some([EndReason::ImageBorder; 2]));
-    assert!(curve.bridged.is_empty());
+    assert_eq!(curve.curve.ends(), [Some(EndReason::ImageBorder); 2]);
+    assert!(bridged(curve).is_empty());
     let pixels = &curve.pixels;
     let mut at_border = [pixels[0].col, pixels[pixels.len() - 1].col];
     at_border.sort_unstable();

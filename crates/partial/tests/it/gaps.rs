@@ -133,7 +133,7 @@ pub fn check_cuts(rig: &Rig, seen: &Seen, normal: Vector3, model: Modeler) -> Op
     let (plane, cut) = cuttable(seen, &before)?;
     let curve = curves_on(&before, plane).first()?;
     // A curve along the border of what the sensor sees has gaps of its own.
-    if !curve.bridged.is_empty() {
+    if !bridged(curve).is_empty() {
         return None;
     }
     for width in 1..=5 {
@@ -142,12 +142,12 @@ pub fn check_cuts(rig: &Rig, seen: &Seen, normal: Vector3, model: Modeler) -> Op
         let view = look(rig.frame.clone(), pose, &seen.solids, |p| cut.takes(p)).unwrap();
         let after = model(&view, &planes);
         let curves = curves_on(&after, plane);
-        let bridged: usize = curves.iter().map(|c| c.bridged.len()).sum();
+        let bridged: usize = curves.iter().map(|c| bridged(c).len()).sum();
         if width > 4 {
             let two = if curve.curve.is_closed() { 1 } else { 2 };
             assert_eq!((curves.len(), bridged), (two, 0), "{width} missing");
-            let reasons = curves.iter().flat_map(|c| c.ends.unwrap());
-            let missing = reasons.filter(|r| *r == EndReason::MissingPixel).count();
+            let reasons = curves.iter().flat_map(|c| c.curve.ends());
+            let missing = reasons.filter(|r| *r == Some(EndReason::MissingPixel)).count();
             assert!(missing >= 2);
             continue;
         }
@@ -158,10 +158,16 @@ pub fn check_cuts(rig: &Rig, seen: &Seen, normal: Vector3, model: Modeler) -> Op
     Some(())
 }
 
+/// The numbers of the units (node k to k + 1) that bridge missing pixels.
+pub fn bridged(curve: &PartialCurve) -> Vec<usize> {
+    let nodes = curve.curve.nodes().iter().enumerate();
+    nodes.filter(|(_, node)| node.bridged).map(|(k, _)| k).collect()
+}
+
 /// The bridged unit spans the cut.
 fn check_bridge(curve: &PartialCurve, cut: &Cut) {
     let pixels = &curve.pixels;
-    let a = curve.bridged[0] as usize;
+    let a = bridged(curve)[0];
     let (a, b) = (pixels[a], pixels[(a + 1) % pixels.len()]);
     let apart = a.row.abs_diff(b.row).max(a.col.abs_diff(b.col));
     assert!(apart >= cut.width, "{a} to {b}");

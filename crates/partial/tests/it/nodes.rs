@@ -34,9 +34,9 @@ fn wall(gap: usize, cols: usize, change: impl Fn(usize, usize) -> f32) -> Partia
 #[test]
 fn ends_at_the_images_border_say_so() {
     let model = wall(0, 40, |_, _| 2.0);
-    let ends: Vec<_> = curves(&model).map(|c| c.ends).collect();
+    let ends: Vec<_> = curves(&model).map(|c| c.curve.ends()).collect();
     assert!(ends.len() > 10);
-    assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
+    assert!(ends.iter().all(|e| *e == [Some(EndReason::ImageBorder); 2]), "{ends:?}");
 }
 
 /// The largest number of 32 bits and beyond. Another surface begins behind the missing row.
@@ -45,9 +45,9 @@ fn gaps_wider_than_the_image_are_as_wide_as_the_image() {
     let ends = |gap| {
         let depths = |row: usize| [2.0, f32::NAN, 5.0][row.min(7).saturating_sub(5)];
         let model = wall(gap, 40, |row, _| depths(row));
-        curves(&model).map(|c| c.ends).collect::<Vec<_>>()
+        curves(&model).map(|c| c.curve.ends()).collect::<Vec<_>>()
     };
-    let is_jump = |ends: &Option<[EndReason; 2]>| ends.unwrap().contains(&EndReason::RangeJump);
+    let is_jump = |ends: &[Option<EndReason>; 2]| ends.contains(&Some(EndReason::RangeJump));
     for gap in [i32::MAX as usize, usize::MAX >> 1] {
         assert_eq!(ends(gap), ends(12));
         assert!(ends(gap).iter().any(is_jump));
@@ -75,12 +75,12 @@ fn ends_at_missing_pixels_and_at_range_jumps_say_so() {
         let model = wall(0, 40, |row, _| if row == 6 { odd } else { 2.0 });
         let mut inner = 0;
         for curve in curves(&model).filter(|c| c.pixels.iter().all(|p| p.row != 6)) {
-            let mut ends = curve.ends.unwrap();
+            let mut ends = curve.curve.ends();
             let at_border = |p: &Pixel| p.row == 0 || p.row == 11;
             if !at_border(&curve.pixels[0]) {
                 ends.reverse();
             }
-            assert_eq!(ends, [EndReason::ImageBorder, reason]);
+            assert_eq!(ends, [EndReason::ImageBorder, reason].map(Some));
             inner += 1;
         }
         assert!(inner > 10, "{inner} curves");
@@ -97,7 +97,8 @@ fn ends_at_missing_pixels_that_hide_another_surface_are_range_jumps() {
         let behind = |row: usize| if row < 6 { 2.0 } else { 5.0 };
         let hole = |row: usize| if missing.contains(&row) { f32::NAN } else { behind(row) };
         let model = wall(4, 40, |row, _| hole(row));
-        let mut ends: Vec<EndReason> = curves(&model).flat_map(|c| c.ends.unwrap()).collect();
+        let ends = curves(&model).flat_map(|c| c.curve.ends());
+        let mut ends: Vec<EndReason> = ends.map(Option::unwrap).collect();
         ends.retain(|end| *end != EndReason::ImageBorder);
         assert!(ends.len() > 10 && ends.iter().all(|end| *end == expected), "{ends:?}");
     }
@@ -158,7 +159,7 @@ proptest! {
             let frame = planes.frame(plane.plane);
             for curve in &plane.curves {
                 prop_assert_eq!(curve.pixels.len(), curve.curve.nodes().len());
-                prop_assert_eq!(curve.ends.is_none(), curve.curve.is_closed());
+                prop_assert_eq!(curve.curve.ends() == [None; 2], curve.curve.is_closed());
                 for (node, pixel) in curve.curve.nodes().iter().zip(&curve.pixels) {
                     let world = frame.world_from_plane(&node.position);
                     let sample = |p| view.point_in_sensor(p).map(|s| view.world_from_sensor() * s);

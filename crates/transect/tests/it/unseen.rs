@@ -251,7 +251,7 @@ fn findings(seed: u64) -> Findings {
         let partial = partial_model(view, &setup.planes, &setup.partial).unwrap();
         for curve in partial.planes.iter().flat_map(|found| &found.curves) {
             curves_of_views += 1;
-            marked += curve.bridged.len();
+            marked += curve.curve.nodes().iter().filter(|node| node.bridged).count();
         }
         for found in partial.planes {
             let curves: Vec<Curve> = found.curves.into_iter().map(|c| c.curve).collect();
