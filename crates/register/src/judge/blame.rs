@@ -140,11 +140,11 @@ impl Table {
         STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT)
     }
 
-    /// How likely a right view has such counts. Of what is known to be positive and to have a mean,
+    /// How likely a right view has some counts. Of what is known to be positive and to have a mean,
     /// the exponential distribution says least else (maximum entropy: Jaynes, 1957).
-    pub fn likelihood(&self, counts: Counts, blamed: &[usize]) -> f64 {
+    pub fn likelihood(&self, blamed: &[usize]) -> impl Fn(Counts) -> f64 + Copy + use<> {
         let usual = self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT).max(LEAST_USUAL);
-        (-counts.bad_share() / usual).exp()
+        move |counts| (-counts.bad_share() / usual).exp()
     }
 
     /// By how much the logarithm of the likelihood grows if a view is taken to be wrong, with the

@@ -262,7 +262,7 @@ pub(crate) fn likelihood(
 ) -> Option<f64> {
     let table = Evidence::at(sorted, poses).table();
     let counts = table.with_right(view, wrong);
-    (counts.bad_share() < table.least_share(wrong)).then(|| table.likelihood(counts, wrong))
+    (counts.bad_share() < table.least_share(wrong)).then(|| table.likelihood(wrong)(counts))
 }
 
 /// Poses at which a view agrees with all that are not wrong, and which are where `poses` says.

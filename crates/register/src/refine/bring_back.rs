@@ -100,7 +100,7 @@ impl Rounds<'_> {
                 pair.excess = pair.excess.max(tolerance.powi(2));
             }
             tolerance *= NARROWING;
-            self.step(0, 0.0)?;
+            self.step_by_known_priors()?;
         }
         let pose = self.poses[view];
         let samples = self.scene.samples[view].iter().take(MOTION_POINTS).map(|s| s.in_sensor);

@@ -22,7 +22,7 @@ impl Rounds<'_> {
         let settled = (0..SETTLING).try_for_each(|round| {
             let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
             self.observe(self.first, OBSERVATIONS / 4, spread);
-            self.step(0, 0.0).map(|_| ())
+            self.step_by_known_priors()
         });
         self.prior = prior;
         settled?;

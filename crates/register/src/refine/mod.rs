@@ -294,20 +294,12 @@ impl<'a> Rounds<'a> {
     /// Moves all views once, after some updates of the priors. Tells the largest change that the
     /// observations ask for, in standard deviations; `None` if nothing determines the views.
     fn step(&mut self, prior_rounds: usize, momentum: f64) -> Option<f64> {
-        // Poses that the prior holds away from the best fit give neighbours a common error. It
-        // would weaken what they tell, and hold the poses all the more.
-        let share = independent_share(&self.scene.views, &self.pairs);
-        self.independent = self.independent.max(share);
-        let system = self.whole_system()?;
-        let so_far = self.motions();
-        let solve = |rounds: &Self| {
-            system.solve(rounds.independent, &rounds.known_before(&rounds.priors(), &so_far))
-        };
-        let mut solution = solve(self)?;
+        let (system, so_far) = (self.weighed_system()?, self.motions());
+        let mut solution = self.solved(&system, &so_far)?;
         let mut root = solution.root();
         for _ in 0..prior_rounds {
             self.learn(&so_far, &solution, &root);
-            solution = solve(self)?;
+            solution = self.solved(&system, &so_far)?;
             root = solution.root();
         }
         let variances = variances(&root, so_far.len()).into_iter().enumerate();
@@ -320,6 +312,28 @@ impl<'a> Rounds<'a> {
         let settled = largest <= SETTLED;
         self.change(solution.unknowns, if settled { 0.0 } else { momentum });
         Some(largest)
+    }
+
+    /// Moves all views once, with the priors as they are. `None` if nothing determines the views.
+    fn step_by_known_priors(&mut self) -> Option<()> {
+        let (system, so_far) = (self.weighed_system()?, self.motions());
+        let solution = self.solved(&system, &so_far)?;
+        self.change(solution.unknowns, 0.0);
+        Some(())
+    }
+
+    /// The equations of all views, after the independent share of the observations is updated.
+    fn weighed_system(&mut self) -> Option<System> {
+        // Poses that the prior holds away from the best fit give neighbours a common error. It
+        // would weaken what they tell, and hold the poses all the more.
+        let share = independent_share(&self.scene.views, &self.pairs);
+        self.independent = self.independent.max(share);
+        self.whole_system()
+    }
+
+    /// The solution of the equations with the priors as they are.
+    fn solved(&self, system: &System, so_far: &[Motion]) -> Option<Solution> {
+        system.solve(self.independent, &self.known_before(&self.priors(), so_far))
     }
 
     /// Whether the given pose of a view is taken for exact: it holds the view where it is.

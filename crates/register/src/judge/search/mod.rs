@@ -112,7 +112,8 @@ pub(super) fn places(
     starts.push(given);
     let moved = |from: &Isometry3| moved_from(evidence, view, from, &right);
     let at = |pose: &Isometry3| moved_to(evidence, view, pose, &right);
-    let agreement = |c: &Changed| c.counts.good as f64 * table.likelihood(c.counts, blamed);
+    let likelihood = table.likelihood(blamed);
+    let agreement = |c: &Changed| c.counts.good as f64 * likelihood(c.counts);
     let mut tried: Vec<Changed> = starts.par_iter().map(moved).collect();
     tried.retain(|c| c.counts.all() >= LEAST_MEETINGS);
     let steps = Steps::of(&wanted.own, spacing);
