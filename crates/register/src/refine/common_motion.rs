@@ -16,7 +16,7 @@
 
 use crate::tuning::{CLEARLY_LESS, COMMON_CUT, COMMON_ROUNDS};
 use nalgebra::{Matrix3, UnitQuaternion};
-use transect_device::{Isometry3, Point3, Vector3};
+use transect_device::{Isometry3, Point3, Vector3, median};
 
 /// Points of one view's surface in the world.
 pub(super) struct OfView {
@@ -42,9 +42,7 @@ pub(super) fn common_motion(views: &[OfView]) -> (Isometry3, Vec<f64>) {
     let mut motion = first_motion(views, rigid_fit(views, &weights));
     for _ in 0..COMMON_ROUNDS {
         let distances: Vec<f64> = views.iter().map(|view| view.distance(&motion)).collect();
-        let mut sorted = distances.clone();
-        sorted.sort_by(f64::total_cmp);
-        let limit = COMMON_CUT * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let limit = COMMON_CUT * median(distances.iter().copied()).unwrap_or(0.0);
         if distances.iter().all(|&distance| distance <= limit) {
             break;
         }

@@ -9,7 +9,7 @@ use crate::tuning::{
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
-use transect_device::ImageSize;
+use transect_device::{ImageSize, median};
 
 /// The observations of an ordered pair of views.
 #[derive(Debug, Clone)]
@@ -212,13 +212,7 @@ fn excess(observations: &[Observation], spread: Spread) -> f64 {
 /// creases and other surfaces out.
 fn turned(observations: &[Observation]) -> f64 {
     let step = observations.len().div_ceil(QUANTILE_SAMPLES).max(1);
-    let mut squares: Vec<f32> = observations.iter().step_by(step).map(|o| o.turned).collect();
-    let middle = squares.len() / 2;
-    if squares.is_empty() {
-        return 0.0;
-    }
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f32::total_cmp);
-    f64::from(*median)
+    median(observations.iter().step_by(step).map(|o| f64::from(o.turned))).unwrap_or(0.0)
 }
 
 /// Tukey's constant, for 95 % efficiency with normal errors. Theory.

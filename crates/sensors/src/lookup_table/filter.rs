@@ -55,6 +55,9 @@ fn repeated_median_slope(points: &[(f64, f64)]) -> f64 {
 }
 
 /// The median, the mean of the two middle values for an even count; NaN for none.
+///
+/// Not [`transect_device::median`]: each of seven samples has six slopes to the others, and the
+/// upper of the two in the middle would tilt the line.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len().saturating_sub(1) / 2;

@@ -52,7 +52,7 @@ use super::LightStripe;
 use crate::error::{SensorError, require};
 use row::Template;
 use serde::{Deserialize, Serialize};
-use transect_device::{DeviceFrame, Pixel, RangeImage};
+use transect_device::{DeviceFrame, Pixel, RangeImage, median};
 
 /// How exactly the stripe's place in a row is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -145,8 +145,7 @@ fn median_along(places: &[Option<f64>], window: usize) -> Vec<Option<f64>> {
             let above = row.checked_sub(k).and_then(at);
             around.extend(above.zip(at(row + k)).into_iter().flat_map(|(a, b)| [a, b]));
         }
-        around.sort_by(f64::total_cmp);
-        around.get(around.len() / 2).copied()
+        median(around.iter().copied())
     });
     filtered.collect()
 }
