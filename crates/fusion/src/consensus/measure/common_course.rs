@@ -430,6 +430,18 @@ mod tests {
     }
 
     #[test]
+    fn windows_that_tell_no_bend_say_nothing_of_the_error_of_bends() {
+        let bead = arc(0, 60, 2, 1.0)[0];
+        let with = |off: Option<f64>| {
+            let bend = Bend { off, ..Bend::default() };
+            OnCourse { off_variance: 1.0, bend, ..OnCourse::unmoved(&bead) }
+        };
+        let courses = [None, Some(-0.2), None, None].map(with);
+        assert!((bend_error(&courses) * MEDIAN_OF_NORMAL - 0.2).abs() < 1e-12);
+        assert_eq!(bend_error(&[None, None].map(with)), 0.0);
+    }
+
+    #[test]
     fn what_chance_explains_of_a_bend_is_taken_out() {
         let bead = arc(0, 60, 2, 1.0)[0];
         let across = left_of(&bead.tangent);
