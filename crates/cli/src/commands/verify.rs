@@ -76,7 +76,8 @@ fn fuse_again(path: &Path, store: &Store) -> Result<Option<Row>, Failure> {
     }
     let names: Vec<String> = stale.iter().take(20).map(ToString::to_string).collect();
     let reason = format!(
-        "fusing again gives other curves on {} planes ({}); the store was made by another version",
+        "fusing again gives other curves on {} planes ({}): another version of the program fused \
+         them, or their lines were edited before import",
         stale.len(),
         names.join(", ")
     );
