@@ -4,8 +4,8 @@
 //! ribs tell it along a tunnel. They are two or three pixels wide, and cells that hold them are no
 //! smooth surface.
 //!
-//! **Idea.** Point to plane over single samples (Chen and Medioni, 1992), in such cells alone. Those
-//! with the patch of a part have facets, too: the patch says nothing of the other parts.
+//! **Idea.** Point to plane over single samples (Chen and Medioni, 1992), in such cells alone.
+//! Those with the patch of a part have facets, too: the patch says nothing of the other parts.
 //!
 //! **Steps.**
 //! 1. A pixel has a facet: the plane of those of its eight neighbours that lie no farther away than
