@@ -137,8 +137,10 @@ fn scene<'a>(views: Vec<&'a CoarseView>, poses: &[Isometry3]) -> Scene<'a> {
         (!samples.is_empty()).then(|| pose * Point3::from(middle / samples.len() as f64))
     });
     let places: Vec<Point3> = places.collect();
-    let sum = places.iter().map(|p| p.coords).sum::<Vector3>();
-    let origin = Point3::from(sum / places.len().max(1) as f64);
+    // A mean would lie far from all surfaces where one view of a survey in world coordinates has no
+    // pose. The system of the motions would lose its digits.
+    let middle = |axis: usize| median(places.iter().map(|p| p[axis])).unwrap_or(0.0);
+    let origin = Point3::new(middle(0), middle(1), middle(2));
     let facets = views.iter().map(|view| facet_samples(view)).collect();
     Scene { views, samples, facets, origin }
 }

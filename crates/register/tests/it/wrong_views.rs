@@ -49,6 +49,23 @@ fn views_that_meet_no_other_do_not_make_others_seem_far_off() {
     assert_eq!(outcomes[4..], [PoseOutcome::Alone; 6]);
 }
 
+/// In a survey in world coordinates, a station without a pose lies thousands of kilometres away.
+#[test]
+fn a_view_without_a_pose_leaves_the_others_their_standard_deviations() {
+    let world = Isometry3::translation(4.5e5, 5.2e6, 300.0);
+    let mut views: Vec<View> = simulated("room", "")
+        .iter()
+        .map(|view| view.with_pose(world * view.world_from_sensor()).unwrap())
+        .collect();
+    views[1] = views[1].with_pose(Isometry3::identity()).unwrap();
+    let refinement = refine(&coarse(&views), &RefineOptions::default()).unwrap();
+    for (k, pose) in refinement.poses.iter().enumerate().filter(|(k, _)| *k != 1) {
+        let sigma = pose.surface_sigma.unwrap();
+        assert!(sigma < 1e-3, "{k}: {sigma} m");
+    }
+    assert_eq!(refinement.poses[1].outcome, PoseOutcome::Alone);
+}
+
 /// The bore's floor and the flange agree wherever such a view slides along them.
 #[test]
 fn a_view_into_a_bore_comes_back_by_the_few_patches_of_its_wall() {
