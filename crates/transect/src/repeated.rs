@@ -37,22 +37,22 @@ pub(crate) fn repeated_images<'a>(images: impl Iterator<Item = PlacedImage<'a>>)
     for image in images.filter(|image| !image.fingerprint.is_empty()) {
         of_image.entry(image.fingerprint).or_default().push(image);
     }
-    let pairs: Vec<[PlacedImage<'_>; 2]> = of_image
-        .values()
-        .filter_map(|of| {
-            let first = *of.first()?;
-            let moved = |v: &&PlacedImage<'_>| v.world_from_sensor != first.world_from_sensor;
-            Some([first, *of.iter().find(moved)?])
-        })
-        .collect();
-    let [a, b] = pairs.first()?;
-    let others = match pairs.len() {
-        1 => String::new(),
-        n => format!(" So have {} more pairs.", n - 1),
+    let repeated = of_image.values().filter_map(|of| {
+        let first = *of.first()?;
+        let moved = |v: &&PlacedImage<'_>| v.world_from_sensor != first.world_from_sensor;
+        Some(([first, *of.iter().find(moved)?], of.len() - 1))
+    });
+    let repeated: Vec<_> = repeated.collect();
+    let ([a, b], _) = repeated.first()?;
+    let others = match repeated.iter().map(|(_, copies)| copies).sum::<usize>() {
+        0 | 1 => String::new(),
+        2 => " 1 more view repeats an image.".to_owned(),
+        copies => format!(" {} more views repeat an image.", copies - 1),
     };
     Some(Note::new(format!(
-        "views {} and {} have the same image at different poses.{others} One image counts twice \
-         then, and the stated errors are too small; take one of them out",
+        "views {} and {} have the same image at different poses.{others} An image that counts \
+         twice makes the stated errors too small. Keep one view of each image: leave the others \
+         out with the setting `views`, or take them out of a store with transect remove-view",
         a.view, b.view
     )))
 }
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn one_image_at_two_poses_is_told() {
-        let poses = [0.0, 1.0, 2.0, 1e-7].map(|x| Isometry3::translation(x, 0.0, 0.0));
+        let poses = [0.0, 1.0, 2.0, 1e-7, 3.0].map(|x| Isometry3::translation(x, 0.0, 0.0));
         let image = |view, fingerprint, k: usize| PlacedImage {
             view,
             fingerprint,
@@ -75,5 +75,12 @@ mod tests {
         let other = image("f", "1", 3);
         let note = repeated_images(sound.into_iter().chain([other])).unwrap().to_string();
         assert!(note.contains("views a and f have the same image"), "{note}");
+        assert!(note.contains(" 1 more view repeats an image."), "{note}");
+        let pair = [image("a", "1", 0), other];
+        let note = repeated_images(pair.into_iter()).unwrap().to_string();
+        assert!(note.contains("different poses. An image that counts twice"), "{note}");
+        let more = [image("g", "1", 4), image("h", "2", 2)];
+        let note = repeated_images(sound.into_iter().chain([other]).chain(more)).unwrap();
+        assert!(note.to_string().contains(" 3 more views repeat an image."), "{note}");
     }
 }
