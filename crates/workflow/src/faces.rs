@@ -75,14 +75,15 @@ pub(crate) fn in_faces(views: &[InFaces], planes: &PlaneFamily) -> Option<Note> 
     let (plane, share, view) = own.clone().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let others: BTreeSet<PlaneIndex> = own.map(|(k, ..)| k).filter(|k| *k != plane).collect();
     let others: Vec<String> = others.iter().map(ToString::to_string).collect();
-    let others = match others.is_empty() {
-        true => String::new(),
-        false => format!(" (others in faces: {})", others.join(", ")),
+    let others = match others.as_slice() {
+        [] => String::new(),
+        [other] => format!(" So does plane {other}."),
+        _ => format!(" So do the planes {}.", others.join(", ")),
     };
     let advice = clear_offset(views, planes)
         .map_or_else(String::new, |offset| format!(", such as by the setting `offset` {offset}"));
     Some(Note::new(format!(
-        "plane {plane} lies in a face, {} % of the surface that view {view} sees{others}. The \
+        "plane {plane} lies in a face, {} % of the surface that view {view} sees.{others} The \
          section jumps there, and its curves follow the noise. Move the planes{advice}",
         digits(100.0 * share),
     )))

@@ -14,8 +14,8 @@ use transect_geometry::LengthUnit;
 /// 100 nothing changes there. Doubled, parts of a site with ten boxes between them stay together.
 const NEAR: f64 = 10.0;
 
-/// The numbers of the views that lie far away from most others. Of two groups of one size, the one
-/// without poses is away; none is if both have poses.
+/// The numbers of the views that lie far away from most others. Of two largest groups of one size,
+/// the one without poses is away. No view is away if several largest groups have poses.
 pub(crate) fn far_away(views: &[ViewSurvey]) -> Vec<usize> {
     let groups = groups(views);
     let weight = |group: &Vec<usize>| {
@@ -72,6 +72,7 @@ pub(crate) fn sentence(views: &[ViewSurvey], away: &[usize], unit: LengthUnit) -
     };
     let others = match away.len() {
         1 => String::new(),
+        2 => " So does 1 more view.".to_owned(),
         n => format!(" So do {} more views.", n - 1),
     };
     Some(format!(
@@ -112,6 +113,9 @@ mod tests {
         let views = [at(4e5), at(0.0)];
         let told = sentence(&views, &[1], LengthUnit::Metre).unwrap();
         assert!(told.starts_with("view at 0 lies") && told.contains("identity"), "{told}");
+        let views = [at(4e5), at(4.00002e5), at(4.00004e5), at(0.0), at(1e9)];
+        let told = sentence(&views, &far_away(&views), LengthUnit::Metre).unwrap();
+        assert!(told.contains(" So does 1 more view. "), "{told}");
     }
 
     #[test]
