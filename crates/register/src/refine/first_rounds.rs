@@ -19,12 +19,14 @@ impl Rounds<'_> {
     pub(super) fn first_rounds(&mut self) -> Option<()> {
         let given = self.agreeing();
         let prior = std::mem::replace(&mut self.prior, self.first);
+        self.own_loosened = self.stated;
         let settled = (0..SETTLING).try_for_each(|round| {
             let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
             self.observe(self.first, OBSERVATIONS / 4, spread);
             self.step_by_known_priors()
         });
         self.prior = prior;
+        self.own_loosened = false;
         settled?;
         // A loose prior lets patches of other surfaces draw views that were right. The standard
         // deviation of a count is its root.

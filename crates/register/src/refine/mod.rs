@@ -179,6 +179,8 @@ struct Rounds<'a> {
     prior: PosePrior,
     /// Whether that was stated, so that it is not learned.
     stated: bool,
+    /// Whether the views' own priors are left out, as all of them are stated and loosened at first.
+    own_loosened: bool,
     /// Views that were brought back. Their errors tell nothing of those of the others.
     loose: Vec<bool>,
     /// How far these views may be off: as far as they were found from their given poses.
@@ -230,6 +232,7 @@ impl<'a> Rounds<'a> {
             first,
             prior,
             stated: stated.is_some(),
+            own_loosened: false,
             loose: vec![false; scene.views.len()],
             prior_of_loose: prior,
             others_stay: false,
@@ -409,7 +412,8 @@ impl<'a> Rounds<'a> {
     /// How far a view's pose may be wrong, if it is not as far as the others'.
     fn prior_of(&self, view: usize) -> Option<PosePrior> {
         let loose = || self.loose[view].then_some(self.prior_of_loose);
-        let own = self.scene.views[view].prior().filter(|_| !self.others_stay);
+        let is_left_out = self.others_stay || self.own_loosened;
+        let own = self.scene.views[view].prior().filter(|_| !is_left_out);
         own.or_else(loose)
     }
 

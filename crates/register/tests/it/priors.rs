@@ -39,6 +39,16 @@ fn a_stated_prior_that_the_images_contradict_is_told() {
     assert_eq!(told(&exact, 1e-4, 1e-6), None);
 }
 
+/// What the scan states of each view is judged as what is stated of all.
+#[test]
+fn own_priors_that_the_images_contradict_are_told() {
+    let own = Some(PosePrior { rotation: 1e-6, translation: 1e-6 });
+    let copies = coarse(&shaken(&simulated("room", ""), 0.3, 0.005)).into_iter();
+    let copies: Vec<_> = copies.map(|copy| copy.with_prior(own).unwrap()).collect();
+    let refinement = refine(&copies, &RefineOptions::default()).unwrap();
+    assert!(refinement.prior_by_images.is_some(), "{refinement:?}");
+}
+
 #[test]
 fn views_that_do_not_meet_keep_what_is_stated_of_their_poses() {
     let views = simulated("room", "");
