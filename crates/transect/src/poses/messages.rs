@@ -512,7 +512,7 @@ mod tests {
     #[test]
     fn a_camera_that_errs_by_more_than_cameras_points_to_the_meaning_of_its_pixels() {
         let hint = |share: f64| {
-            // At a depth of 2, this share is the largest error, which grows outwards from the middle.
+            // At a depth of 2, this share is the largest error. It grows outwards from the middle.
             let error = |k: usize| share * ((k % 9) as f64 - 4.0).powi(2) / 16.0 / 2.0;
             let offsets = DepthOffsets::new(7, 9, (0..63).map(error).collect()).unwrap();
             hint_of_misread_pixels(&offsets, 2.0)
