@@ -1,8 +1,8 @@
 //! Medians and quantiles of measured numbers.
 //!
-//! All crates that know `device` take them from here, so that a median of an even number of values
-//! means the same everywhere but in the filter of lookup tables. The cost is linear in the number
-//! of values.
+//! All crates that know `device` take them from here, so that the median of an even number of
+//! values means the same in all. The filter of lookup tables alone has a median of its own. The
+//! cost is linear in the number of values.
 
 /// The median of some values, of an even number the upper of the two in the middle. `None` without
 /// values.

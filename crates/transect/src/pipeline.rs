@@ -12,14 +12,15 @@
 //! Views and planes run in parallel. Results are gathered in the order of views and planes, and no
 //! sum crosses them, so the same input gives the same bytes for any number of threads.
 
-use crate::fused::{Fused, Observed, fuse};
+use crate::fused::{Fused, Observed, ViewFacts, fuse};
 use crate::modelled_view::{Modelled, ModelledView, Wanted, model_views, no_curves};
 use crate::packed::PackedCurves;
 use crate::poses::{reread, stated};
 use crate::refine::{Refined, refine};
 use crate::repeated::{PlacedImage, repeated_images};
 use crate::report::{Report, Timings};
-use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
+use crate::{PoseReport, ReconstructError, RefinementReport, Setup, ViewSource, Watch};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 use transect_device::Note;
 use transect_geometry::PlaneIndex;
@@ -94,18 +95,7 @@ pub fn reconstruct<S: ViewSource>(
     if planes.is_empty() {
         return Err(no_curves(views.iter().map(|view| &view.report), setup));
     }
-    let (fused, refined) = match &setup.refinement {
-        None => (fuse(planes.into_iter().collect(), setup, watch, &facts)?, None),
-        Some(refinement) => {
-            let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
-            let fuse = |asked: &[PlaneIndex]| {
-                fuse(asked.iter().filter_map(there).collect(), setup, watch, &facts)
-            };
-            let Refined { fused, selected, report } =
-                refine(refinement, &setup.planes, &planes, fuse)?;
-            (fused, Some((selected, report)))
-        }
-    };
+    let (fused, refined) = fused_planes(planes, setup, watch, &facts)?;
     let fused: Vec<Fused> = fused.into_iter().map(Fused::with_pose_errors).collect();
     let timings = Timings {
         poses: if poses.is_some() { poses_time } else { Duration::ZERO },
@@ -126,6 +116,26 @@ pub fn reconstruct<S: ViewSource>(
         report.refinement = Some(refinement);
     }
     Ok(Reconstruction { model, report })
+}
+
+/// The planes that refinement selected, and its report.
+type Selected = (BTreeSet<PlaneIndex>, RefinementReport);
+
+/// All planes, or those that refinement selects, fused.
+fn fused_planes(
+    planes: Observed,
+    setup: &Setup,
+    watch: &dyn Watch,
+    facts: &[Option<&ViewFacts>],
+) -> Result<(Vec<Fused>, Option<Selected>), ReconstructError> {
+    let Some(refinement) = &setup.refinement else {
+        return Ok((fuse(planes.into_iter().collect(), setup, watch, facts)?, None));
+    };
+    let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
+    let fuse =
+        |asked: &[PlaneIndex]| fuse(asked.iter().filter_map(there).collect(), setup, watch, facts);
+    let Refined { fused, selected, report } = refine(refinement, &setup.planes, &planes, fuse)?;
+    Ok((fused, Some((selected, report))))
 }
 
 /// The note on a model of which fusion has left nothing.

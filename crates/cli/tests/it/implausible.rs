@@ -52,9 +52,7 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
         spoil(&mut manifest);
         let folder = scan_of(&manifest);
         let mut holes = vec![0.0; 12 * 120];
-        for k in [500, 501, 620, 621] {
-            holes[k] = 1.0 + 0.1 * (k % 2) as f32;
-        }
+        [500, 501, 620, 621].iter().for_each(|k| holes[*k] = 1.0 + 0.1 * (k % 2) as f32);
         folder.write("holes.npy", npy(&holes));
         let first = check.split(' ').next().unwrap();
         refused(&folder, "scan.json", &[&format!("pass --accept {first}")]);

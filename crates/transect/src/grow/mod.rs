@@ -10,8 +10,7 @@
 //! any order of additions and removals.
 //!
 //! 1. A view is loaded and its curves are found; a failure leaves the store as it was.
-//! 2. Its curves are stored in one transaction, with a coarse copy of its image and the space that
-//!    it looked through.
+//! 2. Its curves, a coarse copy of its image and the space it looked through are stored at once.
 //! 3. Its planes are fused: in the same transaction for a single view, after the last view if
 //!    several are added at once. Planes run in parallel.
 //! 4. The poses of the store are judged by the copies; see `judged.rs`. They are refined on demand;
