@@ -27,6 +27,20 @@ pub(crate) fn fingerprint(view: &View) -> String {
     format!("{hash:016x}")
 }
 
+/// Most rows in a hash of some values. No unit. Measured on 40 frames of a depth camera: a hash of
+/// all points takes 5 % of a run, that of these rows too little to show. Doubled, twice that.
+const ROWS: usize = 32;
+
+/// A hash of the image size and the values of some rows, spread evenly, for a note on images that
+/// are repeated within a run.
+pub(crate) fn fingerprint_of_rows(view: &View) -> String {
+    let (image, size) = (view.image(), view.image().size());
+    let rows = (0..size.rows).step_by(size.rows.div_ceil(ROWS).max(1));
+    let values = rows.flat_map(|row| image.row(row).iter().map(|value| u64::from(value.to_bits())));
+    let sizes = [size.rows as u64, size.cols as u64];
+    format!("{:016x}", sizes.into_iter().chain(values).fold(SEED, mix))
+}
+
 const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// The step is invertible in the hash so far, so a change of a single number is always found.

@@ -1,6 +1,6 @@
 //! From a view to its curves on every plane it crosses.
 
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::fingerprint_of_rows;
 use crate::fused::ViewFacts;
 use crate::packed::PackedCurves;
 use crate::report::ViewReport;
@@ -131,7 +131,7 @@ pub(crate) fn model_views<S: ViewSource>(
             let copy = wanted.copies.then(|| CoarseView::quick(view));
             let witness = wanted.free_space.then(|| Witness::of(view)).flatten();
             let facts = ViewFacts { witness, surface_sigma };
-            let fingerprint = fingerprint(view);
+            let fingerprint = fingerprint_of_rows(view);
             let modelled = timed.model(source.name(), setup)?.packed();
             Ok((ModelledView { fingerprint, ..modelled }, copy, facts))
         });
